@@ -69,11 +69,11 @@ class Nearest:
 
     def _left(self, sensor: Sensor, ping: Ping, motion: Motion) -> float:
         """m between the footprint and what a reading told, as the robot has moved since."""
-        return self._clearance(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
+        return self.clearance(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
 
     def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
         limits, config = self._limits, self._limits.config
-        room = self._clearance(sensor, ping.distance) - config.margin
+        room = self.clearance(sensor, ping.distance) - config.margin
         came = ping.place.ahead(motion.place, sensor.pose.yaw)
         allowed = limits.fastest(room - came)
         if ping is sensor.newest and sensor.tick is not None:
@@ -88,7 +88,7 @@ class Nearest:
             return limits.block(sensor.name, f"{seen}, braking")
         return limits.allow(allowed, sensor.name, seen)
 
-    def _clearance(self, sensor: Sensor, distance: float) -> float:
+    def clearance(self, sensor: Sensor, distance: float) -> float:
         """m between the footprint and what `distance` told, at the least.
 
         The worst of a flat surface at up to `incidence`: the echo then comes from the cone's near edge, and the

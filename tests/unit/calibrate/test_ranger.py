@@ -13,15 +13,16 @@ import pytest
 
 from giraff_cli.calibrate.ranger import stand
 from giraff_cli.calibrate.ranger.command import guide
-from giraff_cli.calibrate.ranger.conclusion import warning
-from giraff_cli.calibrate.ranger.fit import Echo
+from giraff_cli.calibrate.ranger.conclusion import bounded, placed, warning
+from giraff_cli.calibrate.ranger.fit import Echo, Found
 from giraff_cli.calibrate.ranger.heard import Hearing
-from giraff_cli.calibrate.ranger.procedure import StoppedError, measure
+from giraff_cli.calibrate.ranger.procedure import Measured, StoppedError, measure
 from giraff_cli.calibrate.terminal import NobodyError
 from giraff_core.kinematics.calibration import EXACTLY, Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_core.sensors import HC_SR04
+from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import load
 from giraff_schemas.messages import Lease, Odometry, Range, RobotTime
 from giraff_schemas.motion import Move, Turn
@@ -166,17 +167,66 @@ def all_farther(stand: DrawnStand, filed: RobotConfig) -> list[bool]:
     ]
 
 
+def told(filed: RobotConfig, name: str, **fields: float) -> str:
+    """Return what is asked before these changes, in m and rad, are written of one sensor."""
+    pose = filed.sensors[name]
+    after = {field: getattr(pose, field) + change for field, change in fields.items()}
+    return warning(name, filed, placed(filed, name, after), GuardConfig())
+
+
 def test_farther_needs_a_yes_of_its_own_that_names_the_millimetres() -> None:
-    filed = SensorPose(index=0, x=0.25, y=0.0, yaw=0.0)
-    fields = {"x": 0.24, "y": 0.1, "z": 0.0, "yaw": 0.1, "scale": 1.0}
-    assert not warning("front", filed, fields, HC_SR04)
-    assert "1 m 10 mm farther than now" in warning("front", filed, {**fields, "x": 0.26}, HC_SR04)
-    assert "1 m 20 mm farther than now" in warning("front", filed, {**fields, "x": 0.25, "scale": 1.02}, HC_SR04)
-    longer = warning("front", filed, {**fields, "x": 0.23, "scale": 1.015}, HC_SR04)
-    assert "1 m 5 mm nearer than now, and up to 40 mm farther" in longer
-    rear = msgspec.structs.replace(filed, x=-0.25, yaw=math.pi)
-    assert not warning("rear", rear, {**fields, "x": -0.24}, HC_SR04)
-    assert "1 m 10 mm farther than now" in warning("rear", rear, {**fields, "x": -0.26}, HC_SR04)
+    front, rear = (
+        msgspec.structs.replace(ROBOT, sensors={name: SensorPose(index=0, x=x, y=0.0, yaw=yaw)})
+        for name, x, yaw in (("front", 0.25, 0.0), ("rear", -0.25, math.pi))
+    )
+    assert not told(front, "front", x=-0.01, z=0.1)
+    assert "1 m 10 mm farther than now" in told(front, "front", x=0.01)
+    assert "1 m 20 mm farther than now" in told(front, "front", scale=0.02)
+    assert "1 m 5 mm nearer than now, and up to 40 mm farther" in told(front, "front", x=-0.02, scale=0.015)
+    assert not told(rear, "rear", x=0.01)
+    assert "1 m 10 mm farther than now" in told(rear, "rear", x=-0.01)
+    assert not told(ROBOT, "front_left", yaw=-math.radians(5.0))
+
+
+def guard_offset(pose: SensorPose) -> float:
+    """Return m that the guard adds to each range."""
+    return pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)
+
+
+@pytest.mark.parametrize(("yaw", "y", "farther"), [(5.0, 0.0, 12), (11.9, 0.0, 26), (11.9, 0.1, 46)])
+@pytest.mark.parametrize("name", ["front_left", "front_right"])
+def test_a_sensor_that_looks_or_sits_farther_out_needs_that_yes_too(
+    name: str, yaw: float, y: float, farther: int
+) -> None:
+    before = ROBOT.sensors[name]
+    out = math.copysign(1.0, before.y)
+    assert f"1 m {farther} mm farther than now" in told(ROBOT, name, yaw=out * math.radians(yaw), y=out * y)
+
+
+def test_a_sensor_that_is_alone_at_its_side_afterwards_needs_that_yes_too() -> None:
+    outer = msgspec.structs.replace(ROBOT.sensors["front_left"], yaw=0.0, y=0.2, x=0.2)
+    inner = msgspec.structs.replace(outer, index=1, y=0.1)
+    filed = msgspec.structs.replace(ROBOT, sensors={"outer": outer, "inner": inner})
+    assert "With outer so, inner will place an obstacle" in told(filed, "outer", y=-0.1001)
+
+
+def test_a_sensor_that_the_guard_would_no_longer_count_stays_as_it_is() -> None:
+    before = msgspec.structs.replace(ROBOT.sensors["front_left"], yaw=math.radians(44.0))
+    found = Found(x=0.25, x_sd=0.001, scale=1.0, scale_sd=0.001, yaw=math.radians(46.0), yaw_sd=0.01)
+    measured = bounded(before, Measured(before, found))
+    assert measured.found is None
+    assert "more than 45° aside" in measured.why
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_without_that_yes_nothing_is_placed_farther(seed: int, tmp_path: Path) -> None:
+    path, filed = robot_file(tmp_path)
+    drawn = DrawnStand(filed, seed)
+    guide(TapePerson(drawn, seed, {_FARTHER: ["no"] * 3}), drawn, filed, path)
+    for name, now in load("robot", RobotConfig, {"GIRAFF_CONFIG": str(path)}).sensors.items():
+        was = filed.sensors[name]
+        for echo in (0.0, HC_SR04.reach):
+            assert guard_offset(now) + now.scale * echo <= guard_offset(was) + was.scale * echo + 0.0006, name
 
 
 def test_what_is_typed_wrong_is_asked_again(tmp_path: Path) -> None:
@@ -192,9 +242,9 @@ def test_what_is_typed_wrong_is_asked_again(tmp_path: Path) -> None:
     assert not any(person.instead.values())
     assert sensors_in(path)["front_left"]["y"] == pytest.approx(0.152)
     assert sensors_in(path)["front_left"]["z"] == pytest.approx(0.18)
-    told = "\n".join(person.told)
+    said = "\n".join(person.told)
     for words in ("nan: no number", "twenty: no number", "150 m is more than 0.1 m off", "more than 10° askew"):
-        assert words in told
+        assert words in said
 
 
 def test_a_sensor_that_looks_aside_is_left_alone_and_without_rear_ones_nothing_turns_round() -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import datetime as dt
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
 from giraff_cli.calibrate.guided import agrees, introduce, own_robot_file, signals_interrupt
-from giraff_cli.calibrate.ranger.conclusion import bounded, changed, in_words, warning
+from giraff_cli.calibrate.ranger.conclusion import bounded, changed, in_words, placed, warning
 from giraff_cli.calibrate.ranger.procedure import PINGS, Stand, StoppedError, measure
 from giraff_cli.calibrate.ranger.stand import NetworkStand
 from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
@@ -17,7 +18,8 @@ from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.robot_file import RobotFileError, record_all
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import ConfigError
+from giraff_guard.config import GuardConfig
+from giraff_node.config.robot_file import ConfigError, load
 
 _DONE: Final = 0
 _REFUSED: Final = 1
@@ -63,18 +65,23 @@ def calibrate_ranger(robot: str | None, connect: Sequence[str], file: Path | Non
 
 
 def guide(human: Human, stand: LeasedStand, filed: RobotConfig, path: Path, pings: int = PINGS) -> int:
-    """Measure, tell, ask and write into `path`, which says `filed`; return the exit code."""
+    """Measure, tell, ask and write into `path`, which says `filed`; return the exit code. Raises ConfigError."""
+    guard = load("guard", GuardConfig, {**os.environ, "GIRAFF_CONFIG": str(path)})
     try:
         tables = _measure(human, stand, filed, pings)
         if not tables:
             return complain("nothing was found. Nothing was written.", _REFUSED)
         if not agrees(human, f"Write {', '.join(tables)} into {path}? [yes/no]"):
             return complain("not wanted. Nothing was written.", _REFUSED)
+        now = filed
         for name, fields in list(tables.items()):
-            words = warning(name, filed.sensors[name], fields, filed.model(name))
+            then = placed(now, name, fields)
+            words = warning(name, now, then, guard)
             if words and not agrees(human, f"{words} Write it all the same? [yes/no]"):
                 human.tell(f"{name} stays as it is.")
                 del tables[name]
+            else:
+                now = then
         if not tables:
             return complain("not wanted. Nothing was written.", _REFUSED)
         stand.wait_released()

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
-from giraff_cli.calibrate.ranger.procedure import Measured
-from giraff_core.robot import SensorPose
-from giraff_core.sensors import UltrasonicModel
+from giraff_cli.calibrate.ranger.procedure import Measured, looks
+from giraff_core.live import Live
+from giraff_core.robot import RobotConfig, SensorPose
+from giraff_guard.config import GuardConfig
+from giraff_guard.limits import SIGN, Limits
+from giraff_guard.ultrasonic.nearest import Nearest
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.ultrasonic.way import UltrasonicWay
 
 _NOTHING: Final = 0.0005
 """m. A smaller change of an obstacle's distance is none."""
@@ -32,21 +37,80 @@ def changed(before: SensorPose, measured: Measured) -> dict[str, float]:
     }
 
 
-def farther(before: SensorPose, after: Mapping[str, float], model: UltrasonicModel) -> tuple[float, float]:
-    """Return by how many m an obstacle is placed farther than before: at 1 m, and at most within the sensor's reach."""
-    outward = (after["x"] - before.x) * math.copysign(1.0, math.cos(before.yaw))
-    scale = after["scale"] - before.scale
-    return outward + scale, max(outward, outward + scale * model.reach)
+class Farther(NamedTuple):
+    """How much farther than before a sensor places an obstacle, in m; negative: nearer."""
+
+    sensor: str
+    at_1_m: float
+    """Straight ahead of the sensor."""
+    most: float
+    """At most within the sensor's reach, by anything that the guard judges it by."""
 
 
-def warning(name: str, before: SensorPose, after: Mapping[str, float], model: UltrasonicModel) -> str:
-    """Return what a person must agree to before obstacles are placed farther; empty: they are not."""
-    at_1_m, most = farther(before, after, model)
+def placed(robot: RobotConfig, name: str, fields: Mapping[str, float]) -> RobotConfig:
+    """Return the robot with these fields of one sensor."""
+    return msgspec.structs.replace(
+        robot, sensors={**robot.sensors, name: msgspec.structs.replace(robot.sensors[name], **fields)}
+    )
+
+
+def farther(before: RobotConfig, after: RobotConfig, guard: GuardConfig) -> Farther:
+    """Compare all sensors as the guard judges them; return the one that places an obstacle farthest.
+
+    Everything that is compared grows evenly with the echo and with the way since, so that the ends tell the most.
+    """
+    way = guard.range_budget * before.max_wheel_speed
+    found = []
+    for name in before.sensors:
+        reach = min(guard.reach, before.model(name).reach)
+        most = max(
+            then - now
+            for echo in (0.0, reach)
+            for came in (0.0, way)
+            for now, then in zip(
+                _judged(before, name, guard, echo, came), _judged(after, name, guard, echo, came), strict=True
+            )
+        )
+        now, then = (_judged(robot, name, guard, 1.0, 0.0)[0] for robot in (before, after))
+        found.append(Farther(name, then - now, most))
+    return max(found, key=lambda each: each.most)
+
+
+def _judged(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, came: float) -> tuple[float, ...]:
+    """Return m by which the guard judges an obstacle: straight ahead, at its worst slant, and where it remembers it.
+
+    `echo`: m, without a scale. `came`: m of way since. A sensor beside others is judged with them.
+    """
+    live = Live(guard)
+    limits = Limits(live, robot)
+    sensors = {each: Sensor(each, pose, live, robot.model(each)) for each, pose in robot.sensors.items()}
+    sensor, pose = sensors[name], robot.sensors[name]
+    distance = echo * pose.scale
+    remembered = min(distance, max(guard.memory_range, guard.held_range))
+    judged = [sensor.offset + distance - came * abs(math.cos(pose.yaw))]
+    for way, sign in SIGN.items():
+        looking = UltrasonicWay(way, limits, list(sensors.values())).sensors
+        if sensor in looking:
+            worst = Nearest(way, limits, looking).clearance(sensor, distance)
+            judged += [
+                worst - came * abs(math.cos(pose.yaw)),
+                sign * (pose.x + remembered * math.cos(pose.yaw)),
+            ]
+    return tuple(judged)
+
+
+def warning(name: str, before: RobotConfig, after: RobotConfig, guard: GuardConfig) -> str:
+    """Return what a person must agree to before obstacles are placed farther; empty: they are not.
+
+    `name`: the sensor that is another in `after`.
+    """
+    sensor, at_1_m, most = farther(before, after, guard)
     if most <= _NOTHING:
         return ""
     return (
-        f"{name} will place an obstacle at 1 m {abs(at_1_m) * 1000.0:.0f} mm {'farther' if at_1_m > 0.0 else 'nearer'} "
-        f"than now, and up to {most * 1000.0:.0f} mm farther within its reach: the robot stops later before it."
+        f"{f'With {name} so, ' if sensor != name else ''}{sensor} will place an obstacle at 1 m "
+        f"{abs(at_1_m) * 1000.0:.0f} mm {'farther' if at_1_m > 0.0 else 'nearer'} than now, and up to "
+        f"{most * 1000.0:.0f} mm farther within its reach: the robot stops later before it."
     )
 
 
@@ -68,7 +132,9 @@ def in_words(before: SensorPose, name: str, measured: Measured) -> str:
 def bounded(before: SensorPose, measured: Measured) -> Measured:
     """Return what was measured, or why no robot file takes it."""
     try:
-        msgspec.structs.replace(before, **changed(before, measured))
+        after = msgspec.structs.replace(before, **changed(before, measured))
     except ValueError as error:
         return measured._replace(found=None, why=str(error))
+    if looks(after) is not looks(before):
+        return measured._replace(found=None, why="it would look more than 45° aside, where the guard does not count it")
     return measured

@@ -78,8 +78,8 @@ class Measured(NamedTuple):
 
 def measure(human: Human, stand: Stand, robot: RobotConfig, pings: int = PINGS) -> dict[str, Measured]:
     """Measure all ultrasonic sensors of the robot. Raises StoppedError and NobodyError."""
-    sides = {ahead: [name for name, pose in robot.sensors.items() if _side(pose) is ahead] for ahead in (True, False)}
-    filed = {name: pose for name, pose in robot.sensors.items() if _side(pose) is not None}
+    sides = {ahead: [name for name, pose in robot.sensors.items() if looks(pose) is ahead] for ahead in (True, False)}
+    filed = {name: pose for name, pose in robot.sensors.items() if looks(pose) is not None}
     measured = {
         name: Measured(pose, None, "it looks aside, and no wall is there")
         for name, pose in robot.sensors.items()
@@ -118,7 +118,7 @@ def measure(human: Human, stand: Stand, robot: RobotConfig, pings: int = PINGS) 
     return measured
 
 
-def _side(pose: SensorPose) -> bool | None:
+def looks(pose: SensorPose) -> bool | None:
     """Return True of a sensor that looks ahead, False of one that looks back, None of others."""
     yaw = abs(math.remainder(pose.yaw, math.tau))
     return True if yaw < _ASIDE else False if yaw > math.pi - _ASIDE else None
