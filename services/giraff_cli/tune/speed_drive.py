@@ -52,6 +52,7 @@ class SpeedDrive:
 
     def drive(self) -> None:
         """Drive from rest to rest. Raises UnfitDriveError, or KeyboardInterrupt after an interrupted motion's end."""
+        self._connection.dispatch(self)  # what came while a person thought: another's drive may be in it
         self.wheels.clear()
         wish = Wish((Move(distance=DISTANCE), Move(distance=-DISTANCE)), speed=SPEED)
         connection = self._connection

@@ -84,7 +84,7 @@ def sample(at: int, left: Turning, right: Turning, *, ticks: float = TICKS) -> W
         right_pwm_counts=right.pwm,
         board_us=(at * 10_000 - 2_000_000) % (1 << 32),
         boot_id=1,
-        tick=RobotTime(1, at * 10_000_000),
+        tick=RobotTime(1, (1000 + at) * 10_000_000),
     )
 
 
@@ -140,6 +140,7 @@ class Desk:
         self.told: list[str] = []
         self.guard_says, self.next_lease, self.are_heard = "", 0, True
         self.each: Callable[[StopSignal], object] = lambda _: None
+        self.thinks: Callable[[], object] = lambda: None
         self._patch, self._capsys = patch, capsys
         self._wheels = drive()
         for module in (it, giraff_node.motion_client, giraff_node.network.query_client):
@@ -161,6 +162,7 @@ class Desk:
 
     def ask(self, question: str, meanwhile: object) -> str:
         del question, meanwhile
+        self.thinks()
         if not self.answers:
             raise NobodyError
         return self.answers.pop(0)
@@ -227,6 +229,25 @@ def test_what_is_found_is_written_once_and_is_fine_then(
     assert (code, complaint) == (0, "")
     assert "Fine already" in later.told[-1]
     assert later.is_untouched(besides=1)
+
+
+def test_what_was_driven_before_the_yes_is_not_judged(desk: Desk) -> None:
+    def drive_by_hand() -> None:
+        if desk.motion.asked:
+            return
+        wheels = (
+            Turning(Motor(per_count=0.004, time=0.4, dead=2.0)),
+            Turning(Motor(per_count=0.004, time=0.4, dead=2.0)),
+        )
+        for at in range(-1000, 0):
+            for wheel in wheels:
+                wheel.step(0.25 if at < -500 else -0.25)
+            desk.motion.say(WHEELS, sample(at, *wheels))
+
+    desk.thinks = drive_by_hand
+    assert desk.type()[::2] == (0, "")
+    found = tomllib.loads(desk.path.read_text(encoding="utf-8"))["base"]["drive"]["speed_control"]
+    assert found["speed_p"] == pytest.approx(GOOD.speed_p, rel=0.06)
 
 
 def refuse(desk: Desk) -> None:
