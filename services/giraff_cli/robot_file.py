@@ -8,7 +8,7 @@ import stat
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
@@ -17,6 +17,8 @@ from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import plain
 
 Value = bool | float | str | Sequence[float]
+
+_ERRORS: Final = (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError)
 
 
 class RobotFileError(Exception):
@@ -37,17 +39,10 @@ def record_all(path: Path, tables: Mapping[str, Mapping[str, Value]], *, kept_as
     """Set fields of several tables as `record` does: the file has all of them, or is untouched."""
     with _explained(path, tables):
         before = path.read_bytes()
-        text = before.decode("utf-8-sig")
-        mark = before.removesuffix(text.encode())  # of byte order, where an editor has left one
-        was = tomllib.loads(text)
-        after, wanted = text, was
-        for table, fields in tables.items():
-            after, wanted = _with(after, table, fields), _merged(wanted, table.split("."), fields)
-        if tomllib.loads(after) != wanted:
-            raise ValueError("something else would change with it")
+        after = _rewritten(before, tables)
         kept = _keep(path, before, kept_as) if kept_as else None
         try:
-            write_file_durably(path, mark + after.encode())
+            write_file_durably(path, after)
         except OSError:
             with contextlib.suppress(OSError):
                 if kept is not None and path.read_bytes() == before:
@@ -56,11 +51,34 @@ def record_all(path: Path, tables: Mapping[str, Mapping[str, Value]], *, kept_as
     return kept
 
 
+def rehearse(path: Path, tables: Mapping[str, Mapping[str, Value]]) -> None:
+    """Raise RobotFileError where the form of the file does not let `record_all` write these tables. Writes nothing."""
+    try:
+        _rewritten(path.read_bytes(), tables)
+    except _ERRORS as error:
+        names = ", ".join(f"[{table}]" for table in tables)
+        raise RobotFileError(
+            f"{path}: takes no {names}: {plain(error)}; write it, and the table above it, as tables of their own, as "
+            "deploy/robot.toml does"
+        ) from error
+
+
+def _rewritten(before: bytes, tables: Mapping[str, Mapping[str, Value]]) -> bytes:
+    text = before.decode("utf-8-sig")
+    mark = before.removesuffix(text.encode())  # of byte order, where an editor has left one
+    after, wanted = text, tomllib.loads(text)
+    for table, fields in tables.items():
+        after, wanted = _with(after, table, fields), _merged(wanted, table.split("."), fields)
+    if tomllib.loads(after) != wanted:
+        raise ValueError("something else would change with it")
+    return mark + after.encode()
+
+
 @contextlib.contextmanager
 def _explained(path: Path, tables: Mapping[str, Mapping[str, Value]]) -> Iterator[None]:
     try:
         yield
-    except (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+    except _ERRORS as error:
         by_hand = "; ".join(
             f"write into [{table}] by hand:"
             + "".join(f"\n    {name} = {tomlkit.item(value).as_string()}" for name, value in fields.items())

@@ -16,10 +16,10 @@ from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.robot_file import RobotFileError, record, rehearse
 from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
-from giraff_cli.tune.speed_fit import DISTANCE, CannotTellError, fastest, identify, legs_of, propose
+from giraff_cli.tune.speed_fit import DISTANCE, FOUND, CannotTellError, fastest, identify, legs_of, propose
 from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_motors
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
@@ -52,6 +52,7 @@ def tune_speed(robot: str | None, connect: Sequence[str], file: Path | None) -> 
         try:
             path, filed = own_robot_file(connection.robot, file)
             drive = drive_of(path)
+            rehearse(path, {_TABLE: {name: getattr(drive.speed_control, name) for name in FOUND}})
             driven = SpeedDrive(connection, user_at_host())
             if not driven.wait():
                 return complain(
@@ -59,7 +60,7 @@ def tune_speed(robot: str | None, connect: Sequence[str], file: Path | None) -> 
                     UNUSABLE,
                 )
             return converse(Terminal(sys.stdin, sys.stdout), driven, connection.robot, filed, drive, path)
-        except ConfigError as error:
+        except (ConfigError, RobotFileError) as error:
             return complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
             return complain(f"interrupted. {_NOT_WRITTEN}", _INTERRUPTED)

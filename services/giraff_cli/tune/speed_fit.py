@@ -20,6 +20,8 @@ Vector = NDArray[np.float64]
 DISTANCE: Final = 0.5
 """m that the robot drives ahead, and back."""
 SPEED: Final = 0.25  # m/s
+FOUND: Final = ("motor_time", "speed_p", "speed_i", "turn_p", "turn_i")
+"""The settings of a board that a drive tells."""
 SIDES: Final = ("left", "right")
 CLOSES_AT: Final = 0.1
 """s. Time constant of the closed loop, as the defaults of `SpeedControl` have it."""

@@ -158,6 +158,17 @@ def test_nothing_is_written(name: str, tmp_path: Path, capsys: pytest.CaptureFix
         assert not drawn.performed
 
 
+def test_a_file_that_takes_no_sensors_is_refused_before_anything_moves(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, filed = robot_file(tmp_path)
+    path.write_text("[robot]\nsensors = 3\n", encoding="utf-8")
+    drawn = DrawnStand(filed, 1)
+    person = TapePerson(drawn)
+    assert (guide(person, drawn, filed, path), person.asked, drawn.performed) == (2, [], [])
+    assert "takes no [robot.sensors.front_left]" in capsys.readouterr().err
+
+
 def all_farther(stand: DrawnStand, filed: RobotConfig) -> list[bool]:
     """Tell of each sensor whether its truth places obstacles clearly farther than the file."""
     truth = stand.truth

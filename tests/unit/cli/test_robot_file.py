@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.robot_file import RobotFileError, Value, record
+from giraff_cli.robot_file import RobotFileError, Value, record, record_all, rehearse
 from giraff_sim.board import ROOT
 
 FIELDS: dict[str, Value] = {"swap_motors": True, "swap_encoders": False}
@@ -82,6 +82,24 @@ def test_a_disk_that_does_not_take_it_leaves_the_file_as_it_was(path: Path, monk
         record(path, "robot", FIELDS)
     assert path.read_text(encoding="utf-8") == before
     assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208
+
+
+SPOILED: dict[str, tuple[str, dict[str, dict[str, Value]]]] = {
+    "fields of before": ("[robot]\nmax_level = 70\n[base]\n", {"base.drive.speed_control": {"speed_p": 60.0}}),
+    "no table": ("base = 3\n", {"base.drive": {"a": 1.0}}),
+    "a list": ("[robot]\nsensors = [1]\n", {"robot.sensors.rear": {"x": 1.0}}),
+}
+
+
+@pytest.mark.parametrize("case", SPOILED)
+def test_a_rehearsal_refuses_what_recording_would_and_changes_nothing(path: Path, case: str) -> None:
+    text, tables = SPOILED[case]
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(RobotFileError):
+        record_all(path, tables)
+    with pytest.raises(RobotFileError, match=r"takes no \[.*\]: .*; write it, and the table above it, as tables"):
+        rehearse(path, tables)
+    assert path.read_text(encoding="utf-8") == text
 
 
 CALIBRATION: dict[str, Value] = {

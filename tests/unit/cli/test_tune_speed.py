@@ -293,9 +293,26 @@ def tear(desk: Desk) -> None:
     desk.each = each
 
 
+FIELDS: Final = ("max_level = 70", "stall_level = 25", "battery_nominal = 24.0", 'wheel_control = "speed"')
+
+
+def spell(robot: str = "", base: str = "") -> Callable[[Desk], None]:
+    """Return what writes a drive of these lines in [robot] or in [base], in place of the table of its own."""
+
+    def edit(desk: Desk) -> None:
+        text = desk.path.read_text(encoding="utf-8")
+        desk.edit(text[text.index("[base.drive]") : text.index("[ranger]")], f"{base}\n\n")
+        desk.edit("[robot]", f"[robot]\n{robot}")
+
+    return edit
+
+
 def level(desk: Desk) -> None:
     desk.edit('wheel_control = "speed"', 'wheel_control = "level"')
 
+
+_TAKES_NONE: Final = "takes no [base.drive.speed_control]"
+UNASKED: Final = ("a no to the way", "nobody at the terminal", "silent wheels", "levels")
 
 REFUSALS: Final[dict[str, tuple[Callable[[Desk], object], list[str], int, str]]] = {
     "a no to the way": (lambda _: None, ["no"], 1, "nothing has moved"),
@@ -310,6 +327,14 @@ REFUSALS: Final[dict[str, tuple[Callable[[Desk], object], list[str], int, str]]]
     "wheels that fall silent": (deafen, ["yes"], 1, "the wheels fell silent"),
     "Ctrl-C": (interrupt, ["yes"], 130, "interrupted"),
     "a file that is torn meanwhile": (tear, ["yes", "yes"], 1, "cannot be written"),
+    "a drive in [robot]": (spell(robot="\n".join(FIELDS)), [], 2, _TAKES_NONE),
+    "a drive on one line": (spell(base=f'drive = {{ type = "wheels", {", ".join(FIELDS)} }}'), [], 2, _TAKES_NONE),
+    "a drive in dotted keys": (
+        spell(base="\n".join(f"drive.{x}" for x in ('type = "wheels"', *FIELDS))),
+        [],
+        2,
+        _TAKES_NONE,
+    ),
     "levels": (level, [], 2, 'write wheel_control = "speed" into [base.drive]'),
 }
 
@@ -325,7 +350,7 @@ def test_otherwise_it_says_why_and_writes_nothing(desk: Desk, case: str) -> None
     if case == "Ctrl-C":
         assert desk.motion.cancelled
         assert desk.clock.monotonic() < 2.0
-    has_asked = case not in {"a no to the way", "nobody at the terminal", "silent wheels", "levels"}
+    has_asked = case not in UNASKED and words != _TAKES_NONE
     assert bool(desk.motion.asked) == has_asked
 
 

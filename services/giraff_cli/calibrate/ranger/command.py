@@ -16,7 +16,7 @@ from giraff_cli.calibrate.ranger.stand import NetworkStand
 from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.robot_file import RobotFileError, record_all
+from giraff_cli.robot_file import RobotFileError, record_all, rehearse
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load
@@ -26,6 +26,7 @@ _REFUSED: Final = 1
 _UNUSABLE: Final = 2
 _INTERRUPTED: Final = 130
 _PATIENCE: Final = 3.0  # s
+_FIELDS: Final = ("x", "y", "z", "yaw", "scale")
 _THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
 
 
@@ -68,6 +69,13 @@ def guide(human: Human, stand: LeasedStand, filed: RobotConfig, path: Path, ping
     """Measure, tell, ask and write into `path`, which says `filed`; return the exit code. Raises ConfigError."""
     guard = load("guard", GuardConfig, {**os.environ, "GIRAFF_CONFIG": str(path)})
     try:
+        rehearse(
+            path,
+            {_table(name): {each: getattr(pose, each) for each in _FIELDS} for name, pose in filed.sensors.items()},
+        )
+    except RobotFileError as error:
+        return complain(str(error), _UNUSABLE)
+    try:
         tables = _measure(human, stand, filed, pings)
         if not tables:
             return complain("nothing was found. Nothing was written.", _REFUSED)
@@ -107,13 +115,17 @@ def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict
 def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path) -> int:
     """Write all at once."""
     date = dt.datetime.now().astimezone().date().isoformat()
-    named = {f"robot.sensors.{name}": fields for name, fields in tables.items()}
+    named = {_table(name): fields for name, fields in tables.items()}
     try:
         kept = record_all(path, named, kept_as=f"before-{date}")
     except RobotFileError as error:
         return complain(str(error), _REFUSED)
     human.tell(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
     return _DONE
+
+
+def _table(name: str) -> str:
+    return f"robot.sensors.{name}"
 
 
 def complain(reason: str, code: int) -> int:
