@@ -6,13 +6,14 @@ import contextlib
 import re
 import stat
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
+from giraff_node.config.moved import path_of
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import plain
 
@@ -61,6 +62,19 @@ def rehearse(path: Path, tables: Mapping[str, Mapping[str, Value]]) -> None:
             f"{path}: takes no {names}: {plain(error)}; write it, and the table above it, as tables of their own, as "
             "deploy/robot.toml does"
         ) from error
+
+
+def still_overriding(tables: Mapping[str, Iterable[str]], environment: Mapping[str, str]) -> str:
+    """Return a sentence that names the variables which override these fields, or a table with them; empty: none."""
+    written = {
+        path_of(f"GIRAFF_{first}_{'__'.join((*inner, field))}")
+        for table, fields in tables.items()
+        for first, *inner in [table.split(".")]
+        for field in fields
+    }
+    names = [name for name in sorted(environment) if name.startswith("GIRAFF_")]
+    found = [name for name in names if any(path[: len(path_of(name))] == path_of(name) for path in written)]
+    return f"These variables of the environment still override it: {', '.join(found)}." if found else ""
 
 
 def _rewritten(before: bytes, tables: Mapping[str, Mapping[str, Value]]) -> bytes:

@@ -24,10 +24,10 @@ from giraff_cli.check.lifted import (
     levels_of,
 )
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
-from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.robot_file import RobotFileError, record, still_overriding
 from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
-from giraff_node.config.moved import current_name, table_of_wiring
+from giraff_node.config.moved import table_of_wiring
 from giraff_node.config.robot_file import ConfigError, load, parse_toml, robot_file
 from giraff_schemas.wire import Latch, Wiring
 
@@ -159,9 +159,8 @@ def _after(path: Path, kept: Path | None, fields: Mapping[str, bool], environmen
         f"Proved, and written into {path}; as it was before: {kept}:",
         *(f"    {name} = {str(is_set).lower()}" for name, is_set in fields.items()),
     ]
-    names = {f"GIRAFF_BASE_DRIVE__{name.upper()}" for name in fields}
-    if overriding := sorted(name for name in environment if current_name(name) in names):
-        lines.append(f"These variables of the environment still override it: {', '.join(overriding)}")
+    if overriding := still_overriding({"base.drive": fields}, environment):
+        lines.append(overriding)
     lines.append("Copy the file to the other machines, and start giraff_base.")
     return "\n".join(lines)
 

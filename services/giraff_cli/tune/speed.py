@@ -16,7 +16,7 @@ from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, record, rehearse
+from giraff_cli.robot_file import RobotFileError, record, rehearse, still_overriding
 from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
 from giraff_cli.tune.speed_fit import DISTANCE, FOUND, CannotTellError, fastest, identify, legs_of, propose
@@ -24,6 +24,7 @@ from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest,
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.messages import Wheels
+from giraff_schemas.text import printable
 
 DONE: Final = 0
 REFUSED: Final = 1
@@ -80,7 +81,8 @@ def drive_of(path: Path) -> WheelsConfig:
     if not drive.asks_for_speeds:
         raise ConfigError(
             f"{path}: wheel_control is '{drive.wheel_control}', so that the board holds no speeds and has no gains; "
-            'write wheel_control = "speed" into [base.drive] (docs/commissioning.md, section 5) and restart base'
+            'write wheel_control = "speed" into [base.drive] and restart base '
+            "(docs/commissioning.md, Speeds that are held)"
         )
     return drive
 
@@ -125,8 +127,14 @@ def converse(human: Human, driven: Driven, robot: str, filed: RobotConfig, drive
     except NobodyError:
         return complain(f"nobody answers. {_NOT_WRITTEN}", UNUSABLE)
     except RobotFileError as error:
-        return complain(str(error), REFUSED)
+        first, *by_hand = str(error).splitlines()
+        complain(first, REFUSED)
+        for line in by_hand:
+            print(printable(line), file=sys.stderr, flush=True)
+        return REFUSED
     human.tell(f"Written: [{_TABLE}] of {path}; as it was before: {kept}. {_THEN}")
+    if overriding := still_overriding({_TABLE: found}, os.environ):
+        human.tell(overriding)
     return DONE
 
 

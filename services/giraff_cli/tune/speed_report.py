@@ -52,5 +52,5 @@ def tell_fastest(found: float, filed: float, max_level: int, *, battery_known: b
     battery = "battery_nominal" if battery_known else "the battery as it is now"
     return (
         f"max_wheel_speed is {filed:g} m/s in the robot file; by this drive a wheel does {found:.2f} m/s at max_level "
-        f"{max_level} and {battery}. Measure it with the wheels lifted: docs/commissioning.md, section 5."
+        f"{max_level} and {battery}. Measure it with the wheels lifted: docs/commissioning.md, Speeds that are held."
     )

@@ -240,8 +240,9 @@ def test_without_that_yes_nothing_is_placed_farther(seed: int, tmp_path: Path) -
             assert guard_offset(now) + now.scale * echo <= guard_offset(was) + was.scale * echo + 0.0006, name
 
 
-def test_what_is_typed_wrong_is_asked_again(tmp_path: Path) -> None:
+def test_what_is_typed_wrong_is_asked_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, filed = robot_file(tmp_path)
+    monkeypatch.setenv("GIRAFF_ROBOT_SENSORS__REAR__YAW", "3.1")
     drawn = DrawnStand(filed, 1)
     instead = {
         "left wheel touches the floor:": ["nan", "900", "0.5"],
@@ -253,6 +254,7 @@ def test_what_is_typed_wrong_is_asked_again(tmp_path: Path) -> None:
     assert not any(person.instead.values())
     assert sensors_in(path)["front_left"]["y"] == pytest.approx(0.152)
     assert sensors_in(path)["front_left"]["z"] == pytest.approx(0.18)
+    assert "still override it: GIRAFF_ROBOT_SENSORS__REAR__YAW" in person.told[-1]
     said = "\n".join(person.told)
     for words in ("nan: no number", "twenty: no number", "150 m is more than 0.1 m off", "more than 10° askew"):
         assert words in said

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.robot_file import RobotFileError, Value, record, record_all, rehearse
+from giraff_cli.robot_file import RobotFileError, Value, record, record_all, rehearse, still_overriding
 from giraff_sim.board import ROOT
 
 FIELDS: dict[str, Value] = {"swap_motors": True, "swap_encoders": False}
@@ -100,6 +100,24 @@ def test_a_rehearsal_refuses_what_recording_would_and_changes_nothing(path: Path
     with pytest.raises(RobotFileError, match=r"takes no \[.*\]: .*; write it, and the table above it, as tables"):
         rehearse(path, tables)
     assert path.read_text(encoding="utf-8") == text
+
+
+OVERRIDING = [
+    ("joystick", "mount_yaw", "GIRAFF_JOYSTICK_MOUNT_YAW"),
+    ("base.drive", "swap_motors", "GIRAFF_ROBOT_SWAP_MOTORS"),
+    ("robot", "swap_motors", "GIRAFF_BASE_DRIVE__SWAP_MOTORS"),
+    ("base.drive.speed_control", "speed_p", "GIRAFF_BASE_DRIVE__SPEED_CONTROL__SPEED_P"),
+    ("base.drive.speed_control", "speed_p", "GIRAFF_ROBOT_SPEED_CONTROL"),
+    ("robot.sensors.rear", "yaw", "GIRAFF_ROBOT_SENSORS__REAR__YAW"),
+]
+
+
+@pytest.mark.parametrize(("table", "field", "variable"), OVERRIDING)
+def test_a_variable_that_overrides_what_was_written_is_named(table: str, field: str, variable: str) -> None:
+    others = {"GIRAFF_CONFIG": "x", "GIRAFF_ROBOT_NAME": "x", "GIRAFF_BASE_DRIVE__MAX_LEVEL": "7", "ROBOT_SENSORS": "x"}
+    tables: dict[str, dict[str, Value]] = {table: {field: 1.0}}
+    assert still_overriding(tables, {**others, variable: "1"}).endswith(f"override it: {variable}.")
+    assert not still_overriding(tables, others)
 
 
 CALIBRATION: dict[str, Value] = {

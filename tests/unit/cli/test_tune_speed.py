@@ -210,7 +210,9 @@ def desk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tm
 def test_what_is_found_is_written_once_and_is_fine_then(
     desk: Desk, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setenv("GIRAFF_BASE_DRIVE__SPEED_CONTROL__TURN_I", "400.0")
     code, out, complaint = desk.type()
+    monkeypatch.delenv("GIRAFF_BASE_DRIVE__SPEED_CONTROL__TURN_I")
     assert (code, complaint) == (0, "")
     [request] = desk.motion.asked
     assert (request.steps, request.speed) == ((Move(distance=0.5), Move(distance=-0.5)), 0.25)
@@ -221,8 +223,9 @@ def test_what_is_found_is_written_once_and_is_fine_then(
         assert getattr(found, name) == pytest.approx(getattr(GOOD, name), rel=0.06)
     [kept] = [each for each in desk.path.parent.iterdir() if each != desk.path]
     assert kept.read_bytes() == desk.before
-    assert "before base is restarted" in desk.told[-1]
-    assert "giraff tune speed once more" in desk.told[-1]
+    assert "before base is restarted" in desk.told[-2]
+    assert "giraff tune speed once more" in desk.told[-2]
+    assert "still override it: GIRAFF_BASE_DRIVE__SPEED_CONTROL__TURN_I" in desk.told[-1]
     assert "right  back" in out
     later = Desk(monkeypatch, capsys, desk.path)
     code, _, complaint = later.type()
@@ -326,7 +329,7 @@ REFUSALS: Final[dict[str, tuple[Callable[[Desk], object], list[str], int, str]]]
     "silent wheels": (silence, [], 2, "no wheels of giraff are heard"),
     "wheels that fall silent": (deafen, ["yes"], 1, "the wheels fell silent"),
     "Ctrl-C": (interrupt, ["yes"], 130, "interrupted"),
-    "a file that is torn meanwhile": (tear, ["yes", "yes"], 1, "cannot be written"),
+    "a file that is torn meanwhile": (tear, ["yes", "yes"], 1, "by hand:\n    motor_time = "),
     "a drive in [robot]": (spell(robot="\n".join(FIELDS)), [], 2, _TAKES_NONE),
     "a drive on one line": (spell(base=f'drive = {{ type = "wheels", {", ".join(FIELDS)} }}'), [], 2, _TAKES_NONE),
     "a drive in dotted keys": (
@@ -347,6 +350,7 @@ def test_otherwise_it_says_why_and_writes_nothing(desk: Desk, case: str) -> None
     assert (told[0], words in told[2]) == (code, True), told
     assert not desk.answers
     assert desk.is_untouched()
+    assert "?" not in told[2]
     if case == "Ctrl-C":
         assert desk.motion.cancelled
         assert desk.clock.monotonic() < 2.0

@@ -24,11 +24,10 @@ from giraff_cli.calibrate.joystick.attitude import (
 )
 from giraff_cli.calibrate.joystick.board import BoardError, TiltBoard
 from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
-from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.robot_file import RobotFileError, record, still_overriding
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.mount import Mount
 from giraff_joystick.config import JoystickConfig
-from giraff_node.config.moved import current_name
 from giraff_node.config.robot_file import ConfigError, load, read_tables
 
 _DONE: Final = 0
@@ -91,9 +90,8 @@ def guide(human: Human, board: TiltBoard, path: Path) -> int:
     except RobotFileError as error:
         return _complain(str(error), _REFUSED)
     human.tell(f"Written: [joystick] of {path}; as it was before: {kept}. giraff_joystick goes by it when it starts.")
-    names = {f"GIRAFF_JOYSTICK_{name.upper()}" for name in _fields(found)}
-    if overriding := sorted(name for name in os.environ if current_name(name) in names):
-        human.tell(f"These variables of the environment still override it: {', '.join(overriding)}")
+    if overriding := still_overriding({"joystick": _fields(found)}, os.environ):
+        human.tell(overriding)
     return _DONE
 
 

@@ -16,7 +16,7 @@ from giraff_cli.calibrate.ranger.stand import NetworkStand
 from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.robot_file import RobotFileError, record_all, rehearse
+from giraff_cli.robot_file import RobotFileError, record_all, rehearse, still_overriding
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load
@@ -121,6 +121,8 @@ def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path) 
     except RobotFileError as error:
         return complain(str(error), _REFUSED)
     human.tell(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
+    if overriding := still_overriding(named, os.environ):
+        human.tell(overriding)
     return _DONE
 
 
