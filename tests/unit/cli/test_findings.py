@@ -36,6 +36,7 @@ from giraff_node.network.discovery import simulated_name
 from giraff_node.network.sockets import live_sockets, own_socket, socket_folder
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.health import Health
+from giraff_schemas.messages import EStop
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.trouble import WELL, Trouble
 from tests.rules.repository import ROOT
@@ -192,7 +193,7 @@ def test_a_healthy_robot_has_no_findings() -> None:
             "base goes by the geometry from before: track_width 0.47, now 0.48 -> end giraff run, and start it again",
         ),
         (of_robot(estop=estop(engaged=True)), "note e-stop: the emergency stop is engaged by ann@desk: smoke"),
-        (of_robot(estop=msgspec.structs.replace(estop(engaged=True), remedy="charge it")), "ann@desk: smoke -> charge"),
+        (of_robot(estop=EStop(engaged=True, id=1, by="x", reason="low; charge", remedy="charge")), "x: low -> charge"),
         (of_network(is_found=False), "fault network: multicast does not get through"),
         (of_network(untold=("10.72.1.2",)), "fault door: 10.72.1.2 of this machine came after its door, which"),
         (of_network(untold=("10.72.1.2",)), "restart the door: systemctl restart giraff@door"),
