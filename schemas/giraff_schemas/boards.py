@@ -39,9 +39,21 @@ class BoardType(NamedTuple):
     has that is built with it."""
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
+    has_programmer: bool = False
+    """It is written by a programmer on its ISP connector, not through its serial port."""
+
+    def flash_command(self, port: str) -> str:
+        """Return what writes its firmware, with the board on this serial port."""
+        return f"make -C firmware flash BOARD={self.name} PORT={'usb' if self.has_programmer else port}"
 
 
-BASE_BOARD: Final = BoardType("base", BoardKind.BASE, BASE_BAUD, frames=FRAME_CLASSES | transitions_wire.FRAME_CLASSES)
+BASE_BOARD: Final = BoardType(
+    "base",
+    BoardKind.BASE,
+    BASE_BAUD,
+    frames=FRAME_CLASSES | transitions_wire.FRAME_CLASSES,
+    has_programmer=True,
+)
 JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
 RANGER_BOARD: Final = BoardType(
     "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES

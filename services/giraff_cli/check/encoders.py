@@ -83,7 +83,7 @@ def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Whee
         finally:
             bench.close()
     except MuteBoardError:
-        flash = f"make -C firmware flash BOARD={drive.board_type.name} PORT={port}"
+        flash = drive.board_type.flash_command(port)
         return _complain(f"{port}: the board's firmware does not tell transitions; flash it: {flash}", NOT_BEGUN), {}
     except (BenchError, DoubtError) as error:
         return _complain(str(error), NOT_BEGUN), {}

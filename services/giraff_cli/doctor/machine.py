@@ -125,7 +125,7 @@ def _greet(path: str, board: BoardType) -> Trouble | None:
             return WELL
         silent = Trouble(
             f"{path}: no {board.name} board says hello",
-            f"see its power, its cable, and that it is flashed: make -C firmware flash BOARD={board.name} PORT={path}",
+            f"see its power, its cable, and that it is flashed: {board.flash_command(path)}",
         )
         problem = link.mismatch or (silent if link.opened else link.fault)
         return None if problem == IN_USE.of(path) else problem

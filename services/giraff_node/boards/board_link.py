@@ -131,7 +131,7 @@ class BoardLink:
         if hello.protocol_hash != ours:
             return Trouble(
                 f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {ours:08x}",
-                f"reflash it: make -C firmware flash BOARD={self.board.name} PORT={path}",
+                f"reflash it: {self.board.flash_command(path)}",
             )
         return WELL
 

@@ -122,12 +122,17 @@ def hold(stand: DrawnStand) -> None:
     stand.holds_lease = True
 
 
+def drive(stand: DrawnStand) -> None:
+    stand.is_driven = True
+
+
 def interrupt(stand: DrawnStand) -> None:
     stand.interrupts = True
 
 
 NOTHING: Final[dict[str, tuple[Callable[[DrawnStand], None], dict[str, Any], str]]] = {
     "somebody drives": (refuse, {}, "somebody drives; wait until it rests. Nothing was written"),
+    "somebody drives while it listens": (drive, {}, "the robot moved while it was to listen"),
     "motion holds its lease": (hold, {}, "still holds the lease. Nothing was written"),
     "not wanted": (lambda _: None, {"Write front": ["no"]}, "not wanted. Nothing was written"),
     "the way is not free": (lambda _: None, {"way free": ["maybe", "no"]}, "clear the way"),

@@ -50,6 +50,8 @@ class DrawnStand:
         self.refusal = ""
         self.holds_lease = False
         self.interrupts = False
+        self.is_driven = False
+        """Somebody moves it while it listens."""
         self.performed: list[Step] = []
         self._robot, self._way_sd = robot, _WAY_SD[level]
         self._odometry = Pose(3.0, -2.0, 1.0)
@@ -59,7 +61,10 @@ class DrawnStand:
         return self._odometry
 
     def listen(self, sensors: Sequence[str], pings: int) -> list[Echo]:
-        return [self._ping(name, self._odometry) for _ in range(pings) for name in sensors]
+        heard = [self._ping(name, self._odometry) for _ in range(pings) for name in sensors]
+        if self.is_driven:
+            self._odometry = Pose(self._odometry.x - 0.02, self._odometry.y, self._odometry.yaw)
+        return heard
 
     def perform(self, steps: Sequence[Step]) -> tuple[MotionResult, list[Echo]]:
         if self.interrupts:

@@ -182,7 +182,7 @@ def _spread(rests: Sequence[Sequence[Echo]]) -> float:
         off += list(np.abs(ranges - np.median(ranges)))
     spread = max(_LEAST_SPREAD, 1.4826 * float(np.median(off)))
     if spread > _MOST_SPREAD:
-        raise UntoldError(f"its ranges spread by ± {spread * 1000.0:.0f} mm at rest; what else does it hear?")
+        raise UntoldError(f"its ranges spread by ± {spread * 1000.0:.0f} mm at rest; see what else it hears")
     return spread
 
 
@@ -194,7 +194,7 @@ def _row(
     ranges = np.array([echo.range for echo in heard])
     kept = np.abs(ranges - np.median(ranges)) <= _CAPPED * spread
     if kept.sum() < max(FEWEST, 0.7 * ranges.size):
-        raise UntoldError("its ranges at rest are of several distances; what else does it hear?")
+        raise UntoldError("its ranges at rest are of several distances; see what else it hears")
     distance = float(np.mean([wall.distance_from(echo.at) for echo in heard]))
     turned = float(np.mean([_wrapped(echo.at.yaw - wall.heading) for echo in heard]))
     longer = 1.0 + axis.bend * max(0.0, abs(math.remainder(turned + axis.yaw, math.tau)) - model.half_cone) ** 2

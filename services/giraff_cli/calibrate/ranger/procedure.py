@@ -33,6 +33,9 @@ _TYPED_WITHIN: Final = 0.1
 _MOST_OFF: Final = 0.1
 """m that y or z may differ from the file: more is a slip."""
 _ASIDE: Final = math.radians(45.0)
+_AT_REST: Final = 0.01
+"""m that odometry may tell of a robot that rests."""
+_AT_REST_YAW: Final = math.radians(1.0)
 
 INTRODUCTION: Final = f"""\
 Park the robot square before a bare, flat wall, front towards it, {_NEAREST} to {_FARTHEST} m away. The wall is to be
@@ -134,7 +137,12 @@ def _measure_side(
             result, _ = _perform(human, stand, [Move(distance=-LEG)], "It backs.")
             way_sd = max(way_sd, result.standard_deviations[0] / LEG)
         human.tell(f"It listens for {pings} pings of {', '.join(names)}.")
+        before = stand.place()
         rests.append(stand.listen(names, pings))
+        after = stand.place()
+        turned = math.remainder(after.yaw - before.yaw, math.tau)
+        if math.hypot(after.x - before.x, after.y - before.y) > _AT_REST or abs(turned) > _AT_REST_YAW:
+            raise StoppedError("the robot moved while it was to listen; see that nobody drives it, and begin again")
         if leg == (LEGS if ahead else 0):
             _, turn = _perform(human, stand, _SWINGS, "It turns to either side.")
     measured = {}
