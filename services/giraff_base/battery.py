@@ -1,4 +1,4 @@
-"""What a battery that runs down means: slower first, then the emergency stop. And when it was last charged."""
+"""A battery that runs down slows the robot, then engages the emergency stop. A charge of it is seen, too."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class _Held:
     def __init__(self, *, holds: bool = False) -> None:
         self.holds = holds
         self._held_ns = 0
-        self._last_ns: int | None = None  # when the last such reading came; None: there was none just before
+        self._last_ns: int | None = None  # when the last reading came; None: the next one begins anew
 
     def judge(self, comes: bool, goes: bool, robot_ns: int) -> None:
         since_ns = 0 if self._last_ns is None else robot_ns - self._last_ns
@@ -93,7 +93,7 @@ class BatteryWatch:
 
     @property
     def stops(self) -> Trouble:
-        """Why base engages the emergency stop, and why nobody may reset it."""
+        """Reason for base to engage the emergency stop, and to refuse its reset. WELL: there is none."""
         if not self._empty.holds or self._volts is None:
             return WELL
         if self._volts >= self._recharged:

@@ -119,7 +119,7 @@ class EStopServer:
             self._refuse(self._failure.of("the robot is stopped, and a restart may not know"))
 
     def _confirm(self) -> None:
-        """What they wait for is on disk. A reset may be refused by now: then it is written back."""
+        """Answer all who wait, as the disk has it now. A reset that is refused by now is written back."""
         refusal = WELL
         if self._reset is not None:
             refusal = self._policy.reset_refusal(*self._reset)

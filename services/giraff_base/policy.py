@@ -156,7 +156,7 @@ class BasePolicy:
 
     @property
     def _uncharged(self) -> Trouble:
-        """Why a stop under which the battery was empty cannot be reset. WELL: it can."""
+        """Reason to refuse the reset of a stop under which the battery was empty. WELL: there is none."""
         if not self._estop.latch.empty:
             return WELL
         return self._authority.battery.stops or (_UNMEASURED if self._reported_ns is None else WELL)

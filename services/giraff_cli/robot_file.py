@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import datetime as dt
+import os
 import re
 import stat
 import tomllib
@@ -13,7 +15,10 @@ from typing import Any, Final
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
+from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import path_of
+from giraff_node.config.robot_file import ConfigError, load, read, robot_file
+from giraff_node.network.discovery import name_of
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import plain
 
@@ -24,6 +29,30 @@ _ERRORS: Final = (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, Type
 
 class RobotFileError(Exception):
     """The file cannot be written. It is as it was."""
+
+
+def own_robot_file(robot: str, given: Path | None) -> tuple[Path, RobotConfig]:
+    """Return where the robot file of `robot` is, and what it says; of an empty name, this machine's.
+
+    `given`: the file that a person has named for it. Raises ConfigError where it cannot be read, or not be written, or
+    where this machine's is another robot's.
+    """
+    environment = os.environ if given is None else {**os.environ, "GIRAFF_CONFIG": str(given)}
+    path, filed = robot_file(environment), load("robot", RobotConfig, environment)
+    named = name_of(read({"GIRAFF_CONFIG": str(path)}))
+    if given is None and robot not in {"", named}:
+        raise ConfigError(
+            f"{path} is the robot file of {named or 'no robot'}, and {robot} is heard; name the file that is to be "
+            f"written for {robot}: --file FILE"
+        )
+    if not (os.access(path, os.W_OK) and os.access(path.parent, os.W_OK)):
+        raise ConfigError(f"{path} or its folder cannot be written; call it as a user who may write there")
+    return path, filed
+
+
+def before_today() -> str:
+    """Return what a file that is written today is kept as: before, and the date."""
+    return f"before-{dt.datetime.now().astimezone().date().isoformat()}"
 
 
 def record(path: Path, table: str, fields: Mapping[str, Value], *, kept_as: str = "") -> Path | None:

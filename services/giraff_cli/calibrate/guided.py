@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from types import FrameType
 from typing import Final
 
 from giraff_cli.calibrate.conclusion import UNUSABLE, complain, conclude
 from giraff_cli.calibrate.heard import NetworkWheels, differences
 from giraff_cli.calibrate.procedure import Procedure, WheelSource
 from giraff_cli.calibrate.runs import Geometry
-from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.robot_file import own_robot_file
+from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import ConfigError, load, read, robot_file
-from giraff_node.network.discovery import is_simulated_here, name_of, others
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import is_simulated_here, others
 
 _PATIENCE: Final = 3.0  # s
 
@@ -59,25 +56,6 @@ def calibrate_odometry(robot: str | None, connect: Sequence[str], file: Path | N
             return _interrupted()
 
 
-def own_robot_file(robot: str, given: Path | None) -> tuple[Path, RobotConfig]:
-    """Return where the robot file of `robot` is, and what it says; of an empty name, this machine's.
-
-    `given`: the file that a person has named for it. Raises ConfigError where it cannot be read, or not be written, or
-    where this machine's is another robot's.
-    """
-    environment = os.environ if given is None else {**os.environ, "GIRAFF_CONFIG": str(given)}
-    path, filed = robot_file(environment), load("robot", RobotConfig, environment)
-    named = name_of(read({"GIRAFF_CONFIG": str(path)}))
-    if given is None and robot not in {"", named}:
-        raise ConfigError(
-            f"{path} is the robot file of {named or 'no robot'}, and {robot} is heard; name the file that is to be "
-            f"written for {robot}: --file FILE"
-        )
-    if not (os.access(path, os.W_OK) and os.access(path.parent, os.W_OK)):
-        raise ConfigError(f"{path} or its folder cannot be written; call it as a user who may write there")
-    return path, filed
-
-
 def introduce(human: Human, robot: str, path: Path) -> None:
     """Tell which robot it is, and where the outcome goes."""
     human.tell(f"Robot {robot}; what is found goes into {path}.")
@@ -107,32 +85,6 @@ def _unheard(connection: RobotConnection) -> str:
     robot = connection.robot
     hint = others(connection.session, robot)
     return f"no wheels of {robot} are heard; check that giraff_base runs, and the network to it{hint}"
-
-
-def agrees(human: Human, question: str, meanwhile: Callable[[], str] = lambda: "") -> bool:
-    while True:
-        answer = human.ask(question, meanwhile)
-        if answer in {"yes", "y"}:
-            return True
-        if answer in {"no", "n"}:
-            return False
-        human.tell("Type yes or no.")
-
-
-@contextlib.contextmanager
-def signals_interrupt() -> Iterator[None]:
-    """SIGTERM and a closed terminal end it as Ctrl-C does."""
-    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    del number, frame
-    raise KeyboardInterrupt
 
 
 def _interrupted() -> int:

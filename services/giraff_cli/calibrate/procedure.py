@@ -12,7 +12,7 @@ from giraff_cli.calibrate.plan import PLAN, Leg
 from giraff_cli.calibrate.plausible import driven_fault, end, length, measured_fault
 from giraff_cli.calibrate.review import review
 from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
-from giraff_cli.calibrate.terminal import Human
+from giraff_cli.terminal.human import Human
 from giraff_schemas.messages import Wheels
 
 _SILENT: Final = 1.0  # s

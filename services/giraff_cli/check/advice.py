@@ -1,4 +1,4 @@
-"""What is wrong with an encoder, and what a person does about it. Pure."""
+"""Name the faults of an encoder, each with its remedy. Pure."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ _HEADINGS: Final = ("wheel", ">phase", ">A high", ">B high", ">A missing", ">B m
 
 
 class _Wheel(NamedTuple):
-    """What was found of one wheel."""
+    """The figures of one wheel, and its faults."""
 
     figures: Figures
     troubles: list[Trouble]

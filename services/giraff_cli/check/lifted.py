@@ -19,12 +19,12 @@ _WORD: Final = "lifted"
 
 
 class Human(Protocol):
-    """Who watches the wheels."""
+    """The person who watches the wheels."""
 
     def tell(self, text: str) -> None: ...
 
     def ask(self, question: str) -> str:
-        """What is answered. DoubtError when nobody is there any more."""
+        """Return the answer. Raises DoubtError when nobody is there any more."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""How well an encoder's two channels follow each other while its wheel turns one way at an even speed. Pure.
+"""Measure phase, duty and missing marks of an encoder while its wheel turns one way at an even speed. Pure.
 
 A pair is one black and one white mark of the disk, and so one period of each channel.
 """
@@ -34,7 +34,7 @@ class Turn(NamedTuple):
 
 
 class Channel(NamedTuple):
-    """What was seen of one channel."""
+    """The figures of one channel."""
 
     edges: int
     duty: float | None
@@ -44,7 +44,7 @@ class Channel(NamedTuple):
     missing: int
     """Marks that it passed over while the other channel went on."""
     turn: Turn | None
-    """How they come again. None: at changing places, or too few were seen."""
+    """The turn after which they come again. None: at changing places, or too few were seen."""
     apart: int | None
     """States between two missing marks, where no more than two were seen. None: it is not known."""
     flickers: int
@@ -52,7 +52,7 @@ class Channel(NamedTuple):
 
 
 class Figures(NamedTuple):
-    """What was seen of one encoder."""
+    """The figures of one encoder."""
 
     transitions: int
     losses: int
@@ -72,7 +72,7 @@ class Figures(NamedTuple):
 
     @property
     def is_enough(self) -> bool:
-        """Whether there is enough to judge."""
+        """Tells that there is enough to judge."""
         return self.edges >= FEWEST
 
     @property

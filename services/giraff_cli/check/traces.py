@@ -1,4 +1,4 @@
-"""What two channels did over a few pairs, in characters and as SVG. Pure."""
+"""Draw two channels over a few pairs, in characters and as SVG. Pure."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ A: Final = 0
 B: Final = 1
 
 Levels = tuple[bool, bool]
-"""Of A and B."""
+"""Levels of A and B; True is high."""
 
 
 class Transition(NamedTuple):

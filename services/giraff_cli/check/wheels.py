@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import datetime as dt
 import os
 import sys
 from collections.abc import Mapping
@@ -24,7 +23,7 @@ from giraff_cli.check.lifted import (
     levels_of,
 )
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
-from giraff_cli.robot_file import RobotFileError, record, still_overriding
+from giraff_cli.robot_file import RobotFileError, before_today, record, still_overriding
 from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import table_of_wiring
@@ -73,8 +72,7 @@ def _check(port: str | None) -> tuple[int, dict[str, Any]]:
             fields = find_wiring(bench, human, drive.stall_level)
         finally:
             bench.close()
-        date = dt.datetime.now().astimezone().date().isoformat()
-        kept = record(path, table, fields, kept_as=f"before-{date}")
+        kept = record(path, table, fields, kept_as=before_today())
     except BenchError as error:
         return _complain(f"{error}. Nothing was written.", NOT_BEGUN), {}
     except DoubtError as error:

@@ -15,11 +15,11 @@ Tables = Mapping[str, Mapping[str, Any]]
 
 
 class Found(NamedTuple):
-    """What the robot file tells of a step."""
+    """The standing of a step by the robot file."""
 
     standing: Standing
     told: str
-    """How it is known, or what is missing."""
+    """The field by which it is known, or that is missing."""
     how: str = ""
     """A command, or a page, for this robot; empty: the step's own."""
 
@@ -32,7 +32,7 @@ class Step(NamedTuple):
     how: str
     """A command, or a page."""
     find: Callable[[Tables], Found | None]
-    """What the tables of a robot file tell of it. None: this robot does not need it."""
+    """Judges the step by the tables of a robot file. None: this robot does not need it."""
     needs: Sequence[str] = ()
     """Tables that it is told by. Where services refuse one of them, it is left."""
 

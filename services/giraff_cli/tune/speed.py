@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import os
 import sys
 from collections.abc import Iterable, Sequence
@@ -11,13 +10,12 @@ from typing import Final, Protocol
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.calibrate.guided import agrees, own_robot_file, signals_interrupt
-from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, record, rehearse, still_overriding
+from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record, rehearse, still_overriding
 from giraff_cli.terminal.dots import takes_dots
+from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
 from giraff_cli.tune.speed_fit import DISTANCE, FOUND, CannotTellError, fastest, identify, legs_of, propose
 from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_motors
@@ -38,7 +36,7 @@ _THEN: Final = (
 
 
 class Driven(Protocol):
-    """What drives the robot, and hears it."""
+    """Drives the robot, and hears its wheels."""
 
     wheels: list[Wheels]
     voltage: float | None
@@ -121,7 +119,7 @@ def converse(human: Human, driven: Driven, robot: str, filed: RobotConfig, drive
         if not agrees(human, f"Write into [{_TABLE}] of {path}? [yes/no]"):
             return complain(f"not wanted. {_NOT_WRITTEN}", REFUSED)
         found = {name: after for name, (_, after) in changes.items()}
-        kept = record(path, _TABLE, found, kept_as=f"before-{dt.datetime.now().astimezone().date().isoformat()}")
+        kept = record(path, _TABLE, found, kept_as=before_today())
     except (UnfitDriveError, CannotTellError) as error:
         return complain(f"{error}. {_NOT_WRITTEN}", REFUSED)
     except NobodyError:

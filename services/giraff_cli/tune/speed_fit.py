@@ -56,7 +56,7 @@ class Leg(NamedTuple):
 
 
 class Response(NamedTuple):
-    """How one wheel followed."""
+    """The response of one wheel."""
 
     rise: float
     """s from 10 to 90 % of the plateau."""

@@ -40,7 +40,7 @@ _REMEDY: Final = "draw a new one with giraff encoder disk"
 
 
 class Disk(msgspec.Struct, frozen=True, kw_only=True):
-    """What is printed. ValueError for a disk that cannot be."""
+    """The disk that is printed. Raises ValueError for one that cannot be."""
 
     pairs: Annotated[int, Bounds(1, 5000)] = 40
     """Black and white sectors of a ring, counted in pairs."""

@@ -1,4 +1,4 @@
-"""How a tilt sensor sits in its joystick. Axes of both: x grows when tilted forward, y to the left, z is up."""
+"""The attitude of a tilt sensor in its joystick. Axes of both: x grows when tilted forward, y to the left, z is up."""
 
 from __future__ import annotations
 

@@ -12,8 +12,9 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.calibrate.guided import guide, own_robot_file
+from giraff_cli.calibrate.guided import guide
 from giraff_cli.calibrate.plan import PLAN
+from giraff_cli.robot_file import own_robot_file
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import by_type

@@ -15,7 +15,7 @@ import pytest
 
 from giraff_cli.calibrate.joystick import board, command
 from giraff_cli.calibrate.joystick.attitude import PoseError, gravity_of
-from giraff_cli.calibrate.terminal import NobodyError
+from giraff_cli.terminal.human import NobodyError
 from giraff_core.live import Live
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.mount import Rows

@@ -17,7 +17,7 @@ from giraff_cli.calibrate.ranger.conclusion import bounded, placed, warning
 from giraff_cli.calibrate.ranger.fit import Echo, Found
 from giraff_cli.calibrate.ranger.heard import Hearing
 from giraff_cli.calibrate.ranger.procedure import Measured, StoppedError, measure
-from giraff_cli.calibrate.terminal import NobodyError
+from giraff_cli.terminal.human import NobodyError
 from giraff_core.kinematics.calibration import EXACTLY, Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig, SensorPose

@@ -18,8 +18,8 @@ import giraff_cli.tune.speed_drive as it
 import giraff_node.motion_client
 import giraff_node.network.query_client
 from giraff_base.drives.wheels.config import SpeedControl
-from giraff_cli.calibrate.terminal import NobodyError
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.terminal.human import NobodyError
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.tune.speed_fit import CannotTellError, Motor, fastest, identify, legs_of, propose
 from giraff_cli.tune.speed_report import tell_drive, tell_fastest

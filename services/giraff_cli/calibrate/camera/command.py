@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,12 +13,12 @@ from giraff_cli.calibrate.camera.guide import Pictures, take_sheets, take_views
 from giraff_cli.calibrate.camera.lens import Lens, LensFit, lens_of
 from giraff_cli.calibrate.camera.picture import UnusableError
 from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
-from giraff_cli.calibrate.guided import agrees, introduce, own_robot_file, signals_interrupt
-from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
+from giraff_cli.calibrate.guided import introduce
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record
+from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError
@@ -128,8 +127,7 @@ def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure)
         human.tell(in_words(camera, after, fit, poses))
         if not agrees(human, f"Write into {path}? [yes/no]"):
             return complain("not wanted. Nothing was written.", _REFUSED)
-        date = dt.datetime.now().astimezone().date().isoformat()
-        kept = record(path, f"robot.sensors.{name}", changed(after), kept_as=f"before-{date}")
+        kept = record(path, f"robot.sensors.{name}", changed(after), kept_as=before_today())
     except UnusableError as error:
         return complain(f"{error}. Nothing was written.", _REFUSED)
     except NobodyError:

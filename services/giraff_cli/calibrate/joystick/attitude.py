@@ -1,4 +1,4 @@
-"""How a tilt sensor sits in its joystick, from gravity in three poses: flat, tilted forward, tilted to the left."""
+"""Find the attitude of a tilt sensor in its joystick, from gravity in three poses: flat, forward, to the left."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class DoubtError(Exception):
 
 
 class Found(NamedTuple):
-    """How the sensor sits."""
+    """The attitude of the sensor in the joystick."""
 
     roll: float
     """rad. About the joystick's fixed axes: first roll, then pitch, then yaw."""
@@ -53,7 +53,7 @@ class Found(NamedTuple):
     off_level: float
     """Degrees between the joystick's level and the sensor's."""
     words: str
-    """How it is turned."""
+    """The turn of the sensor, in words."""
 
 
 def gravity_of(readings: Sequence[Vector]) -> Vector:

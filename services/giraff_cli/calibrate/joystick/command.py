@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import math
 import os
 import sys
@@ -11,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.calibrate.guided import agrees, own_robot_file, signals_interrupt
 from giraff_cli.calibrate.joystick.attitude import (
     READINGS,
     DoubtError,
@@ -23,8 +21,8 @@ from giraff_cli.calibrate.joystick.attitude import (
     require_tilt,
 )
 from giraff_cli.calibrate.joystick.board import BoardError, TiltBoard
-from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
-from giraff_cli.robot_file import RobotFileError, record, still_overriding
+from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record, still_overriding
+from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.mount import Mount
 from giraff_joystick.config import JoystickConfig
@@ -79,8 +77,7 @@ def guide(human: Human, board: TiltBoard, path: Path) -> int:
         human.tell(f"The sensor is {found.words}, and {found.off_level:.1f}° off level.")
         if not agrees(human, f"Write into {path}? [yes/no]", _tilt(board, found)):
             return _complain("not wanted. Nothing was written.", _REFUSED)
-        date = dt.datetime.now().astimezone().date().isoformat()
-        kept = record(path, "joystick", _fields(found), kept_as=f"before-{date}")
+        kept = record(path, "joystick", _fields(found), kept_as=before_today())
     except BoardError as error:
         return _complain(f"{error}. Nothing was written.", _REFUSED)
     except DoubtError as error:

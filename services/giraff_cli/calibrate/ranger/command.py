@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
-from giraff_cli.calibrate.guided import agrees, introduce, own_robot_file, signals_interrupt
+from giraff_cli.calibrate.guided import introduce
 from giraff_cli.calibrate.ranger.conclusion import bounded, changed, in_words, placed, warning
 from giraff_cli.calibrate.ranger.procedure import PINGS, Stand, StoppedError, measure
 from giraff_cli.calibrate.ranger.stand import NetworkStand
-from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.robot_file import RobotFileError, record_all, rehearse, still_overriding
+from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record_all, rehearse, still_overriding
+from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load
@@ -114,10 +113,9 @@ def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict
 
 def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path) -> int:
     """Write all at once."""
-    date = dt.datetime.now().astimezone().date().isoformat()
     named = {_table(name): fields for name, fields in tables.items()}
     try:
-        kept = record_all(path, named, kept_as=f"before-{date}")
+        kept = record_all(path, named, kept_as=before_today())
     except RobotFileError as error:
         return complain(str(error), _REFUSED)
     human.tell(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")

@@ -1,4 +1,4 @@
-"""What was found of the sensors, in words and as fields of the robot file; and when that needs a yes of its own."""
+"""The outcome in words and as fields of the robot file, and the warning before obstacles are placed farther."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def changed(before: SensorPose, measured: Measured) -> dict[str, float]:
 
 
 class Farther(NamedTuple):
-    """How much farther than before a sensor places an obstacle, in m; negative: nearer."""
+    """m by which a sensor places an obstacle farther than before; negative: nearer."""
 
     sensor: str
     at_1_m: float

@@ -23,7 +23,7 @@ FEWEST: Final = 10
 TAPE_SD: Final = 0.005
 """m, of each distance that a person measures with a tape."""
 _HEADING_SD: Final = math.radians(0.3)
-"""Of a reading's heading: the wheels' error within the turn, and what the clock's steps leave."""
+"""rad. Standard deviation of a reading's heading: the wheels err within the turn, and the clock has steps."""
 _X_SD: Final = 0.006
 _YAW_SD: Final = math.radians(1.25)
 """Less sure than this, nothing is told."""
@@ -93,7 +93,7 @@ class Wall(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What the echoes tell of a sensor: metres, radians."""
+    """Place, scale and axis of a sensor by its echoes: metres, radians."""
 
     x: float
     x_sd: float

@@ -26,7 +26,7 @@ class Hearing:
         self.echoes: list[Echo] = []
         """In the order in which they came. Whoever uses them takes them away."""
         self.fault = ""
-        """Why poses before and after do not belong together; empty: they do."""
+        """Reason why poses before and after do not belong together; empty: they do."""
         self.motion_holds_lease = False
 
     @property

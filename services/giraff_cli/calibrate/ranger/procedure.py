@@ -9,9 +9,8 @@ from typing import Final, NamedTuple, Protocol
 import msgspec
 
 from giraff_cli.calibrate.answers import number
-from giraff_cli.calibrate.guided import agrees
 from giraff_cli.calibrate.ranger.fit import Echo, Found, UntoldError, Wall, fit, wall_of
-from giraff_cli.calibrate.terminal import Human
+from giraff_cli.terminal.human import Human, agrees
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
 from giraff_core.robot import RobotConfig, SensorPose
@@ -20,7 +19,7 @@ from giraff_schemas.motion import Move, Step, Turn
 SPEED: Final = 0.15  # m/s
 TURN_SPEED: Final = 0.2  # rad/s
 PINGS: Final = 100
-"""Of each sensor at each rest."""
+"""Number of pings of each sensor at each rest."""
 LEG: Final = 0.4
 """m between two rests."""
 LEGS: Final = 2
@@ -69,14 +68,14 @@ class Stand(Protocol):
 
 
 class Measured(NamedTuple):
-    """What came of a sensor."""
+    """The outcome of one sensor."""
 
     filed: SensorPose
     """The robot file's, with y and z as the person has typed them."""
     found: Found | None
     """None: it stays as it is."""
     why: str = ""
-    """Why nothing was found."""
+    """Reason why nothing was found; empty: something was."""
 
 
 def measure(human: Human, stand: Stand, robot: RobotConfig, pings: int = PINGS) -> dict[str, Measured]:

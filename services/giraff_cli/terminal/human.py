@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import shutil
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
+from types import FrameType
 from typing import Final, Protocol, TextIO
 
 from giraff_cli.terminal.page import print_wrapped
@@ -24,7 +27,7 @@ class Human(Protocol):
     def tell(self, text: str) -> None: ...
 
     def ask(self, question: str, meanwhile: Callable[[], str]) -> str:
-        """The line that is typed. Until then `meanwhile` is called often, and what it returns is shown.
+        """Return the line that is typed. Until then call `meanwhile` often, and show what it returns.
 
         Raises NobodyError.
         """
@@ -70,3 +73,29 @@ def _read(descriptor: int) -> bytes:
         return os.read(descriptor, 4096)
     except OSError:  # the other end of a terminal is gone
         return b""
+
+
+def agrees(human: Human, question: str, meanwhile: Callable[[], str] = lambda: "") -> bool:
+    while True:
+        answer = human.ask(question, meanwhile)
+        if answer in {"yes", "y"}:
+            return True
+        if answer in {"no", "n"}:
+            return False
+        human.tell("Type yes or no.")
+
+
+@contextlib.contextmanager
+def signals_interrupt() -> Iterator[None]:
+    """SIGTERM and a closed terminal end it as Ctrl-C does."""
+    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    raise KeyboardInterrupt
