@@ -200,9 +200,10 @@ class Node(Generic[ConfigT]):
             self.session.declare_queryable(health_key(self.robot.name, self.service), self._on_health_query)
         )
         # Before the token: whoever finds the service in the graph may ask it.
-        self._describes = self.requests(PARAM_DESCRIBE.at(self.service))
-        self._sets = self.requests(PARAM_SET.at(self.service))
-        self._saves = self.requests(PARAM_SAVE.at(self.service))
+        look = self._process.wake_loop
+        self._describes = self._requests(PARAM_DESCRIBE.at(self.service), look)
+        self._sets = self._requests(PARAM_SET.at(self.service), look)
+        self._saves = self._requests(PARAM_SAVE.at(self.service), look)
         self._declared.append(
             self.session.liveliness().declare_token(alive_key(self.robot.name, self.service, self.instance))
         )
@@ -225,7 +226,7 @@ class Node(Generic[ConfigT]):
         return Publisher(self.session, self.robot.name, topic, self.instance)
 
     def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:
-        """Each sample of a topic, or the newest with a `limit` of 1; its arrival wakes the loop, if it `wakes`."""
+        """Each sample of a topic, or the newest with a `limit` of 1; its arrival makes a turn due, if it `wakes`."""
         inbox: Inbox[SampleT] = Inbox(limit)
 
         def take_and_wake(sample: SampleT) -> None:
@@ -257,7 +258,12 @@ class Node(Generic[ConfigT]):
         self._declared.append(self.session.declare_subscriber(pattern, on_sample))
 
     def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[PendingQuery[RequestT, AnswerT]]:
-        """What is asked of this service, for its loop to answer; its arrival wakes the loop."""
+        """What is asked of this service, for its turns to answer; its arrival makes one due."""
+        return self._requests(query, self._process.wake)
+
+    def _requests(
+        self, query: Query[RequestT, AnswerT], wake: Callable[[], None]
+    ) -> Inbox[PendingQuery[RequestT, AnswerT]]:
         inbox: Inbox[PendingQuery[RequestT, AnswerT]] = Inbox(MOST_REQUESTS)
         decoder = msgspec.msgpack.Decoder(query.request)
 
@@ -269,7 +275,7 @@ class Node(Generic[ConfigT]):
                     asked.reply_err(f"not a {query.request.__name__}: {plain(error)}")
                 return
             inbox.accept(_Query(asked, request))
-            self._process.wake()
+            wake()
 
         self._process.condition.answers.append(query.key)
         self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
@@ -309,20 +315,25 @@ class Node(Generic[ConfigT]):
     def leave(self) -> None:
         self._process.leave()
 
-    def run(self, service: Service) -> None:
-        """Turn until SIGTERM or SIGINT; raises what a callback raised."""
-        for now in self.turns(*service.timers, link=service.link):
+    def run(self, service: Service, *, prompt: bool = False) -> None:
+        """Turn until SIGTERM or SIGINT; raises what a callback raised.
+
+        `prompt`: turns are short, and a sample's own thread makes the turn that its arrival makes due.
+        """
+        for now in self.turns(*service.timers, link=service.link, prompt=service.turn if prompt else None):
             service.turn(now)
         service.end()
 
-    def turns(self, *timers: Paced, link: Selectable | None = None) -> Iterator[float]:
+    def turns(
+        self, *timers: Paced, link: Selectable | None = None, prompt: Callable[[float], None] | None = None
+    ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or an inbox was filled.
 
-        A board that rests is due when it no longer does.
+        A board that rests is due when it no longer does. `prompt`: as of `Process.turns`.
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
-        return self._process.turns(*timers, *self._boards, link=link, look=self._look)
+        return self._process.turns(*timers, *self._boards, link=link, look=self._look, prompt=prompt)
 
     def set_fault(self, name: str, trouble: Trouble) -> None:
         """State what is wrong with `name` of this service itself, or with WELL that nothing is.

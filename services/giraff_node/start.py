@@ -48,7 +48,7 @@ def start(name: str) -> int:
         except ValueError as error:  # the robot file asks for what this service does not have
             node.log.error("%s", error)
             sys.exit(2)
-        node.run(made)
+        node.run(made, prompt=True)
     return 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -22,6 +23,7 @@ from giraff_node.process.selector import Waker, wait_for
 from giraff_node.process.systemd import Notifier
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
+_LOOK_PERIOD: Final = 0.1  # s between two looks at what is no part of a turn
 
 
 def restart_program(marks: Mapping[str, str] = MappingProxyType({})) -> NoReturn:
@@ -48,40 +50,81 @@ class Process:
         self._stopping = False
         self._again: Mapping[str, str] | None = None
         self._waker = Waker()
+        # Free while the loop waits, and at no other time: who holds it may make a turn.
+        self._turning = threading.Lock()
+        self._prompt: Callable[[float], None] | None = None
+        self._timers: tuple[Paced, ...] = ()
+        self._waits_until = 0.0  # s, monotonic
+        self._asked = False  # for a turn that has not begun
+        self._next_look = 0.0
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._on_signal)
         signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
 
     def turns(
-        self, *timers: Paced, link: Selectable | None = None, look: Callable[[float], None] = lambda _: None
+        self,
+        *timers: Paced,
+        link: Selectable | None = None,
+        look: Callable[[float], None] = lambda _: None,
+        prompt: Callable[[float], None] | None = None,
     ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or somebody called `wake`.
 
-        `look` is given each turn's time before health is told. Raises what `fail` was given.
+        `look` is given the time ten times a second, and after `wake_loop`, before health is told.
+        `prompt` is given the time of a turn that `wake` makes itself, in its caller's thread: turns never overlap. It
+        must be short. None: each turn is yielded.
+        Raises what `fail` was given.
         """
         watched: tuple[Selectable, ...] = (self._waker, self._health_socket, *([link] if link is not None else []))
-        readable: set[Selectable] = set()
-        while not self._stopping:
-            now = time.monotonic()
-            look(now)
-            # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
-            self._tell_how_it_is(now, asked=self._health_socket in readable)
-            wait = min((timer.wait(now) for timer in timers), default=_LONGEST_WAIT)
-            readable = wait_for(watched, min(wait, _LONGEST_WAIT))
-            if self._waker in readable:
-                self._waker.drain()
-            if self._failure is not None:
-                raise self._failure
-            if not self._stopping:
-                yield time.monotonic()
+        self._timers = timers
+        with self._turning:
+            self._prompt = prompt
+            readable: set[Selectable] = set()
+            while not self._stopping:
+                now = time.monotonic()
+                # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
+                if now >= self._next_look or self._health_socket in readable:
+                    self._next_look = now + _LOOK_PERIOD
+                    look(now)
+                    self._tell_how_it_is(now, asked=self._health_socket in readable)
+                wait = min(self._wait(now), _LONGEST_WAIT)
+                readable = self._wait_for(watched, now, wait)
+                now = time.monotonic()
+                if self._waker in readable:
+                    self._waker.drain()
+                if self._failure is not None:
+                    raise self._failure
+                # A turn that was made meanwhile has put off the next one.
+                is_due = self._asked or readable or wait == _LONGEST_WAIT or self._wait(now) <= 0.0
+                if is_due and not self._stopping:
+                    self._asked = False
+                    yield now
 
     def wake(self) -> None:
-        """Make a turn due, from any thread."""
+        """Make a turn due, from any thread. Where the loop waits and turns are prompt, the turn is made here and now.
+
+        The way over the loop costs a second change of threads, which is a quarter of a sample's way between processes.
+        """
+        self._asked = True
+        if self._prompt is None:
+            self._waker.wake()
+            return
+        # Who does not get the lock leaves the turn to its holder, who looks at `_asked` once more after the release.
+        while self._asked and self._turning.acquire(blocking=False):
+            try:
+                self._turn_promptly()
+            finally:
+                self._turning.release()
+
+    def wake_loop(self) -> None:
+        """Have the loop look, from any thread."""
+        self._next_look = 0.0
         self._waker.wake()
 
     def leave(self) -> None:
         """End the loop after this turn."""
         self._stopping = True
+        self._waker.wake()
 
     def fail(self, error: BaseException) -> None:
         """End with `error`, from any thread."""
@@ -121,6 +164,32 @@ class Process:
             os._exit(status)
         if status:
             sys.exit(status)
+
+    def _wait(self, now: float) -> float:
+        """Return the seconds until a timer is due."""
+        return min((timer.wait(now) for timer in self._timers), default=_LONGEST_WAIT)
+
+    def _wait_for(self, watched: tuple[Selectable, ...], now: float, seconds: float) -> set[Selectable]:
+        """Wait without the lock; return what is readable."""
+        self._waits_until = now + seconds
+        self._turning.release()
+        try:
+            return wait_for(watched, 0.0 if self._asked else seconds)
+        finally:
+            self._turning.acquire()
+
+    def _turn_promptly(self) -> None:
+        self._asked = False
+        prompt = self._prompt
+        if prompt is None or self._stopping or self._failure is not None:
+            return
+        now = time.monotonic()
+        try:
+            prompt(now)
+        except BaseException as error:  # noqa: BLE001  the loop raises it
+            self.fail(error)
+        if now + self._wait(now) < self._waits_until:
+            self._waker.wake()
 
     def _tell_how_it_is(self, now: float, *, asked: bool) -> None:
         """To this machine's healthchecks, if they have asked, and to systemd: from the loop, so a hung one is seen."""
