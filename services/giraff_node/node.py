@@ -320,8 +320,9 @@ class Node(Generic[ConfigT]):
 
         `prompt`: turns are short, and a sample's own thread makes the turn that its arrival makes due.
         """
-        for now in self.turns(*service.timers, link=service.link, prompt=service.turn if prompt else None):
-            service.turn(now)
+        turn = service.turn
+        for now in self.turns(*service.timers, link=service.link, prompt=turn if prompt else None):
+            turn(now)
         service.end()
 
     def turns(
@@ -329,9 +330,7 @@ class Node(Generic[ConfigT]):
     ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or an inbox was filled.
 
-        A board that rests is due when it no longer does. `prompt`: as of `Process.turns`.
-
-        Ends on SIGTERM or SIGINT, and raises what a callback raised.
+        A board that rests is due when it no longer does. `prompt`: as of `Process.turns`. Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
         return self._process.turns(*timers, *self._boards, link=link, look=self._look, prompt=prompt)
 
