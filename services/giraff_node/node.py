@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Generic, NamedTuple, Self
+from typing import Any, Generic, Self
 
 import msgspec
 import zenoh
@@ -25,9 +25,9 @@ from giraff_core.io import Paced, PendingQuery, Selectable, Service
 from giraff_core.network import NetworkConfig
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
-from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
-from giraff_node.config.robot_file import ConfigError, read_known
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.config.settings import Settings
 from giraff_node.network.base_reach import BaseReach, WrongRobotCheck
 from giraff_node.network.bulk_session import BulkPublisher, BulkSession
 from giraff_node.network.decode_errors import DecodeErrors
@@ -107,21 +107,6 @@ def _role_of(service: str, network: NetworkConfig) -> Role:
     if any(row.name == service and row.inside for row in SERVICES):
         return "inside"
     return "client" if network.client else "outside"
-
-
-class Settings(NamedTuple, Generic[ConfigT]):
-    """What a service goes by."""
-
-    config: ConfigT
-    """Its own table."""
-    robot: RobotConfig
-    network: NetworkConfig
-
-    @classmethod
-    def load(cls, service: str, config: type[ConfigT]) -> Settings[ConfigT]:
-        """From robot file and environment. Raises ConfigError."""
-        table = read_known().table
-        return cls(table(service, config), table("robot", RobotConfig), table("network", NetworkConfig))
 
 
 class Node(Generic[ConfigT]):
@@ -330,7 +315,9 @@ class Node(Generic[ConfigT]):
     ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or an inbox was filled.
 
-        A board that rests is due when it no longer does. `prompt`: as of `Process.turns`. Ends on SIGTERM or SIGINT, and raises what a callback raised.
+        A board that rests is due when it no longer does. `prompt`: as of `Process.turns`.
+
+        Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
         return self._process.turns(*timers, *self._boards, link=link, look=self._look, prompt=prompt)
 

@@ -13,9 +13,9 @@ from giraff_cli.network.limits import ask_limits
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.main import leave, run_keyboard, terminal_fault
 from giraff_node import Node
+from giraff_node.config.settings import Settings
 from giraff_node.network.hand import open_hand
 from giraff_node.network.tokens import Token, watch_tokens
-from giraff_node.node import Settings
 from giraff_schemas.services import BASE, KEYBOARD
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found

@@ -26,7 +26,7 @@ from giraff_localization.service import Localization
 from giraff_maps.floor_plan import MapError
 from giraff_maps.read import read_map
 from giraff_node import Node
-from giraff_node.node import Settings
+from giraff_node.config.settings import Settings
 from giraff_schemas.localization import LocalizationAnswer
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import LOCALIZATION_SET_POSE

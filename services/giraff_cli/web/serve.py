@@ -11,8 +11,8 @@ from giraff_cli.network.limits import ask_limits
 from giraff_cli.network.ports import port_or_any
 from giraff_cli.terminal import addresses
 from giraff_node import Node
+from giraff_node.config.settings import Settings
 from giraff_node.network.hand import open_hand
-from giraff_node.node import Settings
 from giraff_schemas.services import WEB
 from giraff_web.config import WebConfig
 from giraff_web.main import run_web

@@ -1,0 +1,25 @@
+"""What a service goes by: its own table of the robot file, and those that all share."""
+
+from __future__ import annotations
+
+from typing import Generic, NamedTuple
+
+from giraff_core.network import NetworkConfig
+from giraff_core.parameters.table import ConfigT
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import read_known
+
+
+class Settings(NamedTuple, Generic[ConfigT]):
+    """What a service goes by."""
+
+    config: ConfigT
+    """Its own table."""
+    robot: RobotConfig
+    network: NetworkConfig
+
+    @classmethod
+    def load(cls, service: str, config: type[ConfigT]) -> Settings[ConfigT]:
+        """From robot file and environment. Raises ConfigError."""
+        table = read_known().table
+        return cls(table(service, config), table("robot", RobotConfig), table("network", NetworkConfig))
