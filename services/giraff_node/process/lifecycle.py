@@ -56,6 +56,7 @@ class Process:
         self._timers: tuple[Paced, ...] = ()
         self._waits_until = 0.0  # s, monotonic
         self._asked = False  # for a turn that has not begun
+        self._loop_is_next = False  # it waits for the lock: samples without end must not keep it out
         self._next_look = 0.0
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._on_signal)
@@ -110,7 +111,7 @@ class Process:
             self._waker.wake()
             return
         # Who does not get the lock leaves the turn to its holder, who looks at `_asked` once more after the release.
-        while self._asked and self._turning.acquire(blocking=False):
+        while self._asked and not self._loop_is_next and self._turning.acquire(blocking=False):
             try:
                 self._turn_promptly()
             finally:
@@ -176,7 +177,9 @@ class Process:
         try:
             return wait_for(watched, 0.0 if self._asked else seconds)
         finally:
+            self._loop_is_next = True
             self._turning.acquire()
+            self._loop_is_next = False
 
     def _turn_promptly(self) -> None:
         self._asked = False
