@@ -9,6 +9,7 @@ it holds up its own process for a tenth of a second and more, so base and guard 
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -28,6 +29,8 @@ _VISITS_EVERY: Final = 1.0  # s; the first may come before the other end has not
 _GIVES_UP: Final = 12.0
 """s; then it was ended, alone of its host. A program that is not ours may hold a dead link for 10 s."""
 _LOOK: Final = 0.2  # s between looks
+_SETTLES: Final = 5.0
+"""s, more than a handshake may take (`open_timeout`): Zenoh sets options of its own when one ends."""
 OWN_HOST: Final = "this host"
 _VISIT: Final = 0.7  # s; telling takes two round trips, dialling one more
 
@@ -86,14 +89,16 @@ class LinkRepair:
         self._lost_peers = LostPeers(delay_of(str(session.zid())))
         self._under_way: threading.Thread | None = None
         self._next = 0.0
+        self._seen: object = None  # links and descriptors at the last look
+        self._sets_until = 0.0
 
     def look(self, now: float) -> None:
         """In each turn; `now`: monotonic, s."""
         if now < self._next:
             return
         self._next = now + _LOOK
-        set_tcp_options()
         found = [Link(str(link.zid), link.src, link.dst) for link in self._session.info.links()]
+        self._set_options(now, found)
         for peer in impostors(found):
             self._on_impostor(peer)
         if self._visits is None:
@@ -103,6 +108,17 @@ class LinkRepair:
             whom = (self._network, self._robot, self._visits)
             self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)
             self._under_way.start()
+
+    def _set_options(self, now: float, found: list[Link]) -> None:
+        """Set the kernel's options as long as a connection may be new: to look at each one takes ten calls."""
+        try:
+            seen = {*found}, os.listdir("/proc/self/fd")  # noqa: PTH208  it is asked often
+        except OSError:  # a flood has taken all descriptors
+            seen = None
+        if seen is None or seen != self._seen:
+            self._seen, self._sets_until = seen, now + _SETTLES
+        if now < self._sets_until:
+            set_tcp_options()
 
 
 def join_briefly(network: NetworkConfig, robot: str, role: Role) -> None:
