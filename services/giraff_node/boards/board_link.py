@@ -23,6 +23,8 @@ class BoardLink:
     Between a frame's first bytes and the moment at which the line can have carried its last one it rests, so that a
     loop is not woken by each byte: it has no descriptor, and `wait` says for how long. A whole frame is late by that
     only behind a torn one, or out of an adapter that held up its start: by less than the longest frame takes.
+
+    A loop that was woken by the link asks `ready` first: a part of a frame is no reason for a turn.
     """
 
     def __init__(self, path: str, board: BoardType, serial: SerialLink | None = None) -> None:
@@ -31,6 +33,7 @@ class BoardLink:
         self.hello: HelloFrame | None = None
         self._serial = serial or SerialLink(path, board.baud)
         self._decoder = Decoder(self.board.frames)
+        self._frames: list[Frame] = []  # that `ready` has found
         self._received = 0  # bytes
         self._ends_at = 0  # of these bytes, with the last of the frame under way
         self._rests_until = inf  # s, monotonic; inf: does not rest
@@ -68,9 +71,24 @@ class BoardLink:
         """Frames that arrived torn or wrong."""
         return self._decoder.crc_errors + self._decoder.shape_errors
 
+    def ready(self, now: float) -> bool:
+        """Read what has arrived. True: there are frames for `poll`, or the port was opened or closed.
+
+        `now`: monotonic, s.
+        """
+        opened = self.opened
+        arrived = self._receive(now)
+        self._frames += arrived
+        return bool(self._frames) or self.opened != opened or self._serial.descriptor() is None
+
     def poll(self, now: float) -> list[Frame]:
         """Keep the port open and return the frames that have arrived. `now`: monotonic, s."""
+        frames, self._frames = self._frames or self._receive(now), []
+        return frames
+
+    def _receive(self, now: float) -> list[Frame]:
         if self._serial.keep_open(now):
+            self._frames = []
             self._decoder = Decoder(self.board.frames)
             self.hello = None
             self.mismatch = WELL  # another board may be there now

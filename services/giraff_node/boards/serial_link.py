@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import termios
 from typing import Final
 
 import serial
@@ -54,7 +55,8 @@ class SerialLink:
             # What was queued before now is of another life: of an earlier session, or of a board's earlier boot.
             self._port.reset_input_buffer()
             self._port.reset_output_buffer()
-        except (serial.SerialException, OSError, ValueError) as error:
+            _tell_end_from_silence(self._port.fileno())
+        except (serial.SerialException, OSError, ValueError, termios.error) as error:
             self.close(_explain(self.path, error))
             return False
         self.fault = WELL
@@ -81,8 +83,7 @@ class SerialLink:
         except OSError as error:
             self.close(_explain(self.path, error))
             return b""
-        # pyserial sets VMIN=0: no data reads as b"" on a live port, as end of file on a dead one. A dead one also
-        # fails the line-status call that in_waiting makes.
+        # A dead port reads as b"". So does a live one where another program has set VMIN=0, but its status can be read.
         if not data:
             try:
                 _ = self._port.in_waiting
@@ -121,6 +122,13 @@ class SerialLink:
             return
         except OSError as error:
             self.close(_explain(self.path, error))
+
+
+def _tell_end_from_silence(descriptor: int) -> None:
+    """Make a read without data an error, which pyserial's VMIN=0 makes look like the end of a dead port."""
+    attributes = termios.tcgetattr(descriptor)
+    attributes[6][termios.VMIN] = 1
+    termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
 
 
 def _explain(path: str, error: Exception) -> Trouble:

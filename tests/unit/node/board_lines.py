@@ -75,6 +75,8 @@ class FakeLoop:
 
     line: FakeLine = field(default_factory=FakeLine)
     wakes: int = 0
+    turns: int = 0
+    """Wakes that were followed by a turn."""
     took: list[tuple[float, Frame]] = field(default_factory=list)
     """What was handed out, and when."""
 
@@ -109,5 +111,9 @@ class FakeLoop:
                 timer += period
             else:
                 self.wakes += 1
+                self.line.now = at + LATE
+                if not self.link.ready(at + LATE):
+                    continue
+                self.turns += 1
             self.poll(at + LATE)
         self.line.now = until

@@ -57,7 +57,7 @@ def test_of_what_is_no_frame_nothing_is_missing(data: bytes) -> None:
 
 
 @pytest.mark.parametrize("first", range(1, 12))
-def test_a_report_in_lumps_of_a_millisecond_wakes_three_times(first: int) -> None:
+def test_a_report_in_lumps_of_a_millisecond_wakes_three_times_and_makes_one_turn(first: int) -> None:
     """`first`: bytes in the first lump. Of one that is alone nothing is known."""
     loop = FakeLoop()
     for number in range(20):
@@ -65,15 +65,28 @@ def test_a_report_in_lumps_of_a_millisecond_wakes_three_times(first: int) -> Non
     loop.run(START + 0.25)
     assert loop.frames == [WHEELS] * 20
     assert loop.wakes <= (3 if first > 1 else 4) * 20
+    assert loop.turns == 20
 
 
-def test_a_report_byte_by_byte_wakes_three_times() -> None:
+def test_a_report_byte_by_byte_wakes_three_times_and_makes_one_turn() -> None:
     loop = FakeLoop()
     for number in range(20):
         loop.line.coming += carried(REPORT, START + number * PERIOD)
     loop.run(START + 0.25)
     assert loop.frames == [WHEELS] * 20
     assert loop.wakes <= 3 * 20
+    assert loop.turns == 20
+
+
+def test_a_port_that_is_pulled_out_makes_a_turn_and_its_frames_are_gone() -> None:
+    loop = FakeLoop()
+    loop.line.now, loop.line.coming = START, [(START, REPORT)]
+    assert loop.link.ready(START)
+    loop.line.is_there = False
+    assert loop.link.ready(START + 1e-3)
+    loop.line.is_there = True
+    assert loop.link.ready(START + REOPEN_PERIOD)
+    assert loop.poll(START + REOPEN_PERIOD) == []
 
 
 @given(st.lists(FRAMES, max_size=20), st.sampled_from((0.0, 0.125e-3, LUMP, 16e-3)), st.floats(0.0, LUMP))
