@@ -14,6 +14,8 @@ from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 HELLO_PERIOD = 0.25  # s between two requests while none was answered
 SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
 _SILENT: Final = Trouble(f"silent for {SILENCE:g} s", "check the board's power and cable")
+_READS_AGAIN: Final = 0.02
+"""s from `ready` until `poll` reads by itself: a loop that asks `ready` does so for each byte that comes."""
 _BITS: Final = 10  # of a byte on the line, with its start and its stop
 
 
@@ -34,6 +36,7 @@ class BoardLink:
         self._serial = serial or SerialLink(path, board.baud)
         self._decoder = Decoder(self.board.frames)
         self._frames: list[Frame] = []  # that `ready` has found
+        self._readied = -inf  # s, monotonic; when it was asked last
         self._received = 0  # bytes
         self._ends_at = 0  # of these bytes, with the last of the frame under way
         self._rests_until = inf  # s, monotonic; inf: does not rest
@@ -76,14 +79,15 @@ class BoardLink:
 
         `now`: monotonic, s.
         """
-        opened = self.opened
+        opened, self._readied = self.opened, now
         arrived = self._receive(now)
         self._frames += arrived
         return bool(self._frames) or self.opened != opened or self._serial.descriptor() is None
 
     def poll(self, now: float) -> list[Frame]:
         """Keep the port open and return the frames that have arrived. `now`: monotonic, s."""
-        frames, self._frames = self._frames or self._receive(now), []
+        arrived = [] if now - self._readied < _READS_AGAIN else self._receive(now)
+        frames, self._frames = self._frames + arrived, []
         return frames
 
     def _receive(self, now: float) -> list[Frame]:
