@@ -20,7 +20,7 @@ def encode(body: bytes) -> bytes:
     data = body + crc16(body).to_bytes(_CRC_SIZE, "little")
     if len(data) >= _LONGEST_BLOCK:
         raise ValueError(f"a frame of {len(body)} bytes is too long for the wire")
-    return b"".join(bytes((len(part) + 1,)) + part for part in data.split(b"\0")) + b"\0"
+    return b"".join([bytes((len(part) + 1,)) + part for part in data.split(b"\0")]) + b"\0"
 
 
 def _decode_cobs(encoded: bytes) -> bytes | None:

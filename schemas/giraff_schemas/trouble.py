@@ -51,6 +51,8 @@ class Told(Protocol):
 
 def read_trouble(line: str, remedy: str) -> Trouble:
     """What the two fields of a message say."""
+    if not line:
+        return WELL
     tail = f"{_BETWEEN}{remedy}"
     what = line.removesuffix(tail)
     return Trouble(what, remedy) if remedy and what not in ("", line) else Trouble(line)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from giraff_base.config import BaseConfig
 from giraff_core.freshness import age, derate
 from giraff_schemas.messages import GuardedCommand, RobotTime
 from giraff_schemas.trouble import Trouble
+
+_LATE_GUARD: Final = Trouble("the guard's commands come late", "relieve this machine")
+_LATE_OPERATOR: Final = Trouble("the operator's commands come late", "check its link")
 
 
 class Ages(NamedTuple):
@@ -30,8 +33,8 @@ class Ages(NamedTuple):
         """Share of the speed that is left, and whose lateness takes the rest. A range counts whole or not at all."""
         by_operator, by_guard = derate(self.operator, config.operator_budget), derate(self.guard, config.guard_budget)
         if by_guard < by_operator:
-            return by_guard, Trouble("the guard's commands come late", "relieve this machine")
-        return by_operator, Trouble("the operator's commands come late", "check its link")
+            return by_guard, _LATE_GUARD
+        return by_operator, _LATE_OPERATOR
 
 
 def ages_of(command: GuardedCommand, now: RobotTime) -> Ages:

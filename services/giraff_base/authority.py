@@ -11,6 +11,7 @@ from giraff_base.binding import Binding
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Drive
 from giraff_base.estop import EStopControl
+from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime, Side
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
@@ -60,7 +61,7 @@ class Authority:
         """Take a command of a guard; whether it counts. `at_rest`: the wheels stand still."""
         self._watch(now)
         if self._command is not None:
-            self._disarm_if_stale(self._command, now)  # before a fresh one can hide it
+            self._disarm_if_stale(ages_of(self._command, now))  # before a fresh one can hide it
         # A refused one does not end the command in charge: a late copy must not be able to stop the robot.
         self._refused = self.binding.admit(command, now, at_rest)
         if self._refused:
@@ -80,7 +81,7 @@ class Authority:
         ages = ages_of(command, now)
         self.round_trip = ages.operator if ages.operator < self._live.config.disarm_time else None
         self.budget_left = max(ages.left(self._live.config), -self._live.config.disarm_time)
-        self._disarm_if_stale(command, now)
+        self._disarm_if_stale(ages)
         if stopped := self._forbid(now) or self._unfounded(command, ages) or self.arming.refusal:
             return 0.0, 0.0, stopped
         share, late = ages.share(self._live.config)
@@ -92,7 +93,7 @@ class Authority:
     def free_side(self, now: RobotTime) -> Side:
         """Return where the guard in charge sees room to sit down. Its word counts as long as its tick does."""
         command = self._command
-        if command is None or ages_of(command, now).guard > self._live.config.guard_budget:
+        if command is None or age(command.guard_tick, now) > self._live.config.guard_budget:
             return "none"
         return command.free_side
 
@@ -125,9 +126,9 @@ class Authority:
             return told or _NO_HOLDER
         return WELL
 
-    def _disarm_if_stale(self, command: GuardedCommand, now: RobotTime) -> None:
+    def _disarm_if_stale(self, ages: Ages) -> None:
         """Disarm when a part of the command in charge has been stale for too long."""
-        if max(ages_of(command, now)) > self._live.config.disarm_time:
+        if max(ages) > self._live.config.disarm_time:
             self.arming.disarm("a command or a range was stale for too long")
 
     def _watch(self, now: RobotTime) -> None:

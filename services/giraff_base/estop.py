@@ -33,6 +33,8 @@ class EStopControl:
         self._reset_budget = reset_budget
         self._engaged_ns = 0
         """Robot time of the newest engaging, of whatever cause; 0: none since the start."""
+        self._sample: EStop | None = None
+        self._sampled = self.latch  # that `_sample` tells of
 
     @property
     def stops(self) -> Trouble:
@@ -92,16 +94,20 @@ class EStopControl:
         )
 
     def sample(self) -> EStop:
-        latch = self.latch
-        return EStop(
-            engaged=latch.engaged,
-            id=latch.id,
-            by=latch.by,
-            reason=latch.reason,
-            engaged_ns=self._engaged_ns,
-            remedy=latch.trouble.remedy,
-            off=latch.off,
-        )
+        """Return what there is to tell. It is asked for in each turn, and changes seldom."""
+        latch, sample = self.latch, self._sample
+        if sample is None or self._sampled is not latch or sample.engaged_ns != self._engaged_ns:
+            self._sampled = latch
+            sample = self._sample = EStop(
+                engaged=latch.engaged,
+                id=latch.id,
+                by=latch.by,
+                reason=latch.reason,
+                engaged_ns=self._engaged_ns,
+                remedy=latch.trouble.remedy,
+                off=latch.off,
+            )
+        return sample
 
 
 def _clean(text: str) -> str:

@@ -19,6 +19,7 @@ _LATCHED_BY: Final[dict[int, str]] = {
     Latch.LEFT_OPPOSITE: f"left {_OPPOSITE}",
     Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
 }
+_AT_LIMIT_FLAG: Final = int(SpeedFlag.AT_LIMIT)  # of a flag, `&` would make another one in each frame
 _AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
 BLIND: Final = Trouble(
     "the wheels turn at two thirds of max_wheel_speed at most, because battery_volts_per_count is not known",
@@ -45,6 +46,6 @@ def held(report: WheelsFrame) -> str:
 
 def limit(report: WheelsFrame, board: BoardType) -> Trouble:
     """Why the wheels do less than they are asked for."""
-    if not report.speed_flags & SpeedFlag.AT_LIMIT:
+    if not report.speed_flags & _AT_LIMIT_FLAG:
         return WELL
     return Trouble(_AT_LIMIT + (_OR_LOWERED if board.has_potentiometer else ""))
