@@ -29,8 +29,6 @@ class Verdicts(NamedTuple):
     backward: Verdict
     turn_left: Verdict
     turn_right: Verdict
-    sensors: dict[str, Trouble]
-    """By sensor: why it is not trusted."""
 
 
 class Limited(NamedTuple):
@@ -97,10 +95,19 @@ class Obstacles:
             source.forget()
         self._begin()
 
+    @property
+    def verdicts(self) -> Verdicts:
+        """The verdict for each direction, as `judge` found it last."""
+        return self._verdicts
+
+    def troubles(self, now: RobotTime) -> dict[str, Trouble]:
+        """By sensor: why it is not trusted."""
+        motion = self._motion
+        return {name: trouble for source in self._sources for name, trouble in source.troubles(motion, now).items()}
+
     def judge(self, now: RobotTime) -> Verdicts:
         """The verdict for each direction now."""
-        motion = self._motion
-        motion.look(now)
+        self._motion.look(now)
         forward, backward = (self._straight(way, now) for way in ("forward", "backward"))
         turn = self._turn()
         self._verdicts = Verdicts(
@@ -108,9 +115,6 @@ class Obstacles:
             backward=self._with_way_out("backward", backward, other=forward),
             turn_left=turn,
             turn_right=turn,
-            sensors={
-                name: trouble for source in self._sources for name, trouble in source.troubles(motion, now).items()
-            },
         )
         return self._verdicts
 
@@ -159,7 +163,7 @@ class Obstacles:
 
     def _begin(self) -> None:
         self._motion = Motion(self._live, self._robot)
-        self._verdicts = Verdicts(_UNJUDGED, _UNJUDGED, _UNJUDGED, _UNJUDGED, {})
+        self._verdicts = Verdicts(_UNJUDGED, _UNJUDGED, _UNJUDGED, _UNJUDGED)
         self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
         self._passed = Limited(0.0, 0.0, WELL, None)
 

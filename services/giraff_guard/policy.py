@@ -28,6 +28,7 @@ from giraff_schemas.trouble import WELL, Trouble
 
 HEARD: Final = ("wheels", "attitude", "command")
 """Order of the numbers in `GuardedCommand.heard`. Those of the ultrasonic sensors follow, by name."""
+_PLACES: Final[dict[type[Sample], str]] = {Wheels: "wheels", Attitude: "attitude", DriveCommand: "command"}
 
 
 class GuardPolicy:
@@ -48,6 +49,8 @@ class GuardPolicy:
         """Two processes where one may be, as `decide` found it."""
         self.flood = WELL
         """Whose commands flood the guard, as `decide` found it."""
+        self._decided_ns = 0
+        self._reason = WELL
 
     @property
     def unranked(self) -> tuple[str, ...]:
@@ -85,24 +88,27 @@ class GuardPolicy:
         self._floods.count(command, robot_ns)
         return self._authority.on_command(command, self._identity.now(robot_ns))
 
-    def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
-        """What to let through now, the verdict for each direction, and whom the guard obeys."""
+    def decide(self, robot_ns: int, heard: tuple[int, ...] = ()) -> GuardedCommand:
+        """Return what to let through now. `heard`: the numbers of what was heard, by `HEARD`.
+
+        `state` and `lease` tell more of it, to those who have to be told: that is seldom.
+        """
         now = self._identity.now(robot_ns)
         authority = self._authority
         authority.review(now)
         before, self.fault = self.fault, self._identity.fault(robot_ns)
         self._replacements += bool(self.fault) and not before
         self.flood = self._floods.look(robot_ns)
-        verdicts = self._obstacles.judge(now)
+        self._obstacles.judge(now)
         asked, refusal = self._asked(now)
         wish = (asked.linear_x, asked.angular_z) if asked is not None else (0.0, 0.0)
         limited = self._obstacles.limit(*wish, now)
-        newest, reason = authority.command, refusal or limited.reason
-        sensors, who = verdicts.sensors | self._identity.sensor_faults(robot_ns), authority.reason(now)
-        command = GuardedCommand(
+        newest, tick = authority.command, self._identity.tick
+        self._decided_ns, self._reason = robot_ns, refusal or limited.reason
+        return GuardedCommand(
             linear_x=limited.linear_x,
             angular_z=limited.angular_z,
-            guard_tick=self._identity.tick,
+            guard_tick=tick,
             operator=authority.holder,
             lease_counter=authority.counter,
             operator_tick=newest.tick if newest is not None else None,
@@ -110,23 +116,35 @@ class GuardPolicy:
             source="fault" if self.fault or newest is None else newest.source,
             faults=authority.faults + self._replacements,
             hand_neutral=asked is not None and asked.neutral,
-            reason=str(reason),
-            remedy=reason.remedy,
+            reason=str(self._reason),
+            remedy=self._reason.remedy,
             free_side="none" if self.fault else self._obstacles.free_side(now),
+            heard=heard,
+            decided_us=-1 if tick is None else (robot_ns - tick.robot_ns) // 1000,
         )
-        state = GuardState(
+
+    def state(self) -> GuardState:
+        """Return the verdict for each direction, as of the newest decision; nothing may be taken since."""
+        verdicts, now = self._obstacles.verdicts, self._identity.now(self._decided_ns)
+        sensors = self._obstacles.troubles(now) | self._identity.sensor_faults(self._decided_ns)
+        return GuardState(
             forward=verdicts.forward,
             backward=verdicts.backward,
             turn_left=verdicts.turn_left,
             turn_right=verdicts.turn_right,
-            operator=authority.holder,
-            reason=command.reason,
-            remedy=command.remedy,
+            operator=self._authority.holder,
+            reason=str(self._reason),
+            remedy=self._reason.remedy,
             sensors={name: str(trouble) for name, trouble in sensors.items() if name in self._ultrasonic},
             other_sensors={name: str(trouble) for name, trouble in sensors.items() if name not in self._ultrasonic},
             sensor_remedies={name: trouble.remedy for name, trouble in sensors.items()},
         )
-        lease = Lease(
+
+    def lease(self) -> Lease:
+        """Return whom the guard obeys, as of the newest decision."""
+        authority = self._authority
+        who = authority.reason(self._identity.now(self._decided_ns))
+        return Lease(
             holder=authority.holder,
             operator=authority.operator,
             counter=authority.counter,
@@ -134,7 +152,6 @@ class GuardPolicy:
             remedy=who.remedy,
             unranked=self.unranked,
         )
-        return command, state, lease
 
     def _asked(self, now: RobotTime) -> tuple[DriveCommand | None, Trouble]:
         """The operator's command if it counts, else why none does."""
@@ -151,4 +168,4 @@ def number_place(sample: Sample) -> str:
     """Return the name that its number has among them. Commands count where they are the lease holder's."""
     if isinstance(sample, Range):
         return f"sensor {sample.sensor}"
-    return {Wheels: "wheels", Attitude: "attitude", DriveCommand: "command"}.get(type(sample), "")
+    return _PLACES.get(type(sample), "")

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import msgspec
-
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.lease import unranked_notice
@@ -63,17 +61,15 @@ class Guard:
                 self._timer.hurry("command", now)
         if not self._timer.due(now):
             return
-        now_ns = clock()
-        passed, state, lease = policy.decide(now_ns)
-        decided_us = -1 if passed.guard_tick is None else (now_ns - passed.guard_tick.robot_ns) // 1000
-        self._guarded.put(msgspec.structs.replace(passed, heard=tuple(self._numbers.values()), decided_us=decided_us))
+        passed = policy.decide(clock(), tuple(self._numbers.values()))
+        self._guarded.put(passed)
         self._tell_what_is_wrong()
-        if lease.counter != self._counter or self._lease_timer.due(now):
-            self._counter = lease.counter
-            self._leases.put(lease)
-        if state.reason != self._reason or self._state_timer.due(now):
-            self._reason = state.reason
-            self._states.put(state)
+        if passed.lease_counter != self._counter or self._lease_timer.due(now):
+            self._counter = passed.lease_counter
+            self._leases.put(policy.lease())
+        if passed.reason != self._reason or self._state_timer.due(now):
+            self._reason = passed.reason
+            self._states.put(policy.state())
 
     def _hand_on(self, inbox: Inbox[SampleT], take: Callable[[SampleT, int], object]) -> None:
         for sample in inbox.take():

@@ -17,7 +17,7 @@ from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
-from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, Lease, Range, RobotTime, Tick, Tilt
+from giraff_schemas.messages import DriveCommand, GuardedCommand, Range, RobotTime, Tick, Tilt
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import TickFrame, TiltFrame
 from giraff_sim.settings import Services
@@ -144,17 +144,15 @@ class GrudgingGuard(GuardPolicy):
 
     _lost = False
 
-    def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
-        command, state, lease = super().decide(robot_ns)
-        self._lost = self._lost or "lost something" in state.forward.reason
-        if not self._lost:
-            return command, state, lease
-        return msgspec.structs.replace(command, linear_x=min(0.0, command.linear_x)), state, lease
+    def decide(self, robot_ns: int, heard: tuple[int, ...] = ()) -> GuardedCommand:
+        command = super().decide(robot_ns, heard)
+        self._lost = self._lost or "lost something" in self.state().forward.reason
+        return msgspec.structs.replace(command, linear_x=min(0.0, command.linear_x)) if self._lost else command
 
 
 class TimidGuard(GuardPolicy):
     """Never lets the robot go forward."""
 
-    def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
-        command, state, lease = super().decide(robot_ns)
-        return msgspec.structs.replace(command, linear_x=min(0.0, command.linear_x), angular_z=0.0), state, lease
+    def decide(self, robot_ns: int, heard: tuple[int, ...] = ()) -> GuardedCommand:
+        command = super().decide(robot_ns, heard)
+        return msgspec.structs.replace(command, linear_x=min(0.0, command.linear_x), angular_z=0.0)

@@ -346,10 +346,10 @@ class _Guard:
                 asking = msgspec.structs.replace(sample, lease_counter=0, seq=sample.seq - 1)
                 policy.on_command(asking, now_ns)  # as it once did, and was granted
             take[type(sample)](sample, now_ns)
-        said = policy.decide(now_ns)
-        if said[2].holder:
+        command, lease = policy.decide(now_ns), policy.lease()
+        if lease.holder:
             self._counter = 0
-        return said
+        return command, policy.state(), lease
 
     def with_faults_of(self, turn: GuardedCommand, command: GuardedCommand) -> GuardedCommand:
         """What it says, with the faults that it had counted before the first turn that is compared."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from operator import itemgetter
 from typing import Final
 
 from giraff_core.freshness import age
@@ -22,6 +24,8 @@ class Nearest:
         self._sign = SIGN[way]
         self._limits = limits
         self._sensors = sensors
+        self._others = {sensor.name: [other for other in sensors if other is not sensor] for sensor in sensors}
+        self._asides = {sensor.name: self._aside(sensor) for sensor in sensors}
 
     def verdict(self, sensor: Sensor, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
         """What one sensor allows. `blocked`: the way was blocked, and needs more room to be opened again."""
@@ -30,10 +34,13 @@ class Nearest:
             return limits.block(sensor.name, str(blindness))
         if sensor.lost(motion):
             return limits.block(sensor.name, f"{sensor.name} lost something nearer than {config.near:g} m")
-        believed = sensor.believed([other for other in self._sensors if other is not sensor])
+        stops_within = limits.stops_within(motion.speed(self._sign))
         # The newest first, so that of equal ones it is the one named.
-        verdicts = (self._by_ping(sensor, ping, motion, now, blocked=blocked) for ping in believed)
-        verdict = min(verdicts, key=lambda each: each.allowed)
+        judged = [
+            self._by_ping(sensor, ping, motion, now, stops_within, blocked=blocked)
+            for ping in sensor.believed(self._others[sensor.name])
+        ]
+        verdict = self._told(sensor, *min(judged, key=itemgetter(0)))
         if verdict.allowed <= config.creep_linear:
             return verdict
         if doubt := sensor.doubt(motion, now):
@@ -45,7 +52,7 @@ class Nearest:
         """Return m beyond the footprint that one sensor knows to be free. Without proof, its silence tells nothing."""
         if sensor.blindness(now) or sensor.lost(motion) or sensor.doubt(motion, now):
             return 0.0
-        believed = sensor.believed([other for other in self._sensors if other is not sensor])
+        believed = sensor.believed(self._others[sensor.name])
         return min(self._left(sensor, ping, motion) for ping in believed)
 
     def opposite(self, sensor: Sensor, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict | None:
@@ -56,7 +63,7 @@ class Nearest:
         limits, config = self._limits, self._limits.config
         if blindness := sensor.blindness(now):
             return limits.creep(sensor.name, str(blindness))
-        believed = sensor.believed([other for other in self._sensors if other is not sensor])
+        believed = sensor.believed(self._others[sensor.name])
         echoes = [ping for ping in believed if ping.echo]
         room = min((self._left(sensor, ping, motion) for ping in echoes), default=math.inf)
         if room < config.room_behind + (config.release if blocked else 0.0):
@@ -71,7 +78,13 @@ class Nearest:
         """m between the footprint and what a reading told, as the robot has moved since."""
         return self.clearance(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
 
-    def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
+    def _by_ping(
+        self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime, stops_within: float, *, blocked: bool
+    ) -> tuple[float, Ping, str]:
+        """Return m/s that one reading allows, 0 where it blocks, and what else is to be said of it.
+
+        `stops_within`: m.
+        """
         limits, config = self._limits, self._limits.config
         room = self.clearance(sensor, ping.distance) - config.margin
         came = ping.place.ahead(motion.place, sensor.pose.yaw)
@@ -79,14 +92,18 @@ class Nearest:
         if ping is sensor.newest and sensor.tick is not None:
             # As if it had gone on at that speed since the reading, whatever the wheels say.
             allowed = min(allowed, limits.fastest(room, age(sensor.tick, now)))
-        seen = f"{sensor.name} sees something at {ping.distance:.2f} m"
         too_close = room - came < config.release if blocked else room <= 0.0
         if too_close or allowed < config.slowest:
-            return limits.block(sensor.name, seen)
-        if came + limits.stops_within(motion.speed(self._sign)) > room:
+            return 0.0, ping, ""
+        if came + stops_within > room:
             # The robot is faster than it may be: power off brakes harder than a lower level does.
-            return limits.block(sensor.name, f"{seen}, braking")
-        return limits.allow(allowed, sensor.name, seen)
+            return 0.0, ping, ", braking"
+        return min(allowed, limits.most), ping, ""
+
+    def _told(self, sensor: Sensor, allowed: float, ping: Ping, more: str) -> Verdict:
+        seen = f"{sensor.name} sees something at {ping.distance:.2f} m{more}"
+        limits = self._limits
+        return limits.allow(allowed, sensor.name, seen) if allowed > 0.0 else limits.block(sensor.name, seen)
 
     def clearance(self, sensor: Sensor, distance: float) -> float:
         """m between the footprint and what `distance` told, at the least.
@@ -95,10 +112,22 @@ class Nearest:
         surface is nearest beside the sensor's axis. A sensor off the middle is charged for its offset only where no
         other one sits farther over: a surface that is nearer on that side is nearer to the other sensor there.
         """
-        incidence, half_cone = sensor.incidence, sensor.half_cone
-        ahead = min(sensor.offset, sensor.offset * math.cos(incidence))
+        share, ahead, beside = _charge(sensor.offset, self._asides[sensor.name], sensor.incidence, sensor.half_cone)
+        return distance * share + ahead - beside - self._limits.footprint_radius
+
+    def _aside(self, sensor: Sensor) -> float:
+        """Return m off the middle that a sensor is charged for."""
         aside = abs(sensor.aside)
         if any(other.aside * sensor.aside < sensor.aside**2 for other in self._sensors):
             aside = 0.0
-        slanted = distance * math.cos(max(0.0, incidence - half_cone))
-        return slanted + ahead - aside * math.sin(incidence) - self._limits.footprint_radius
+        return aside
+
+
+@lru_cache(maxsize=64)
+def _charge(offset: float, aside: float, incidence: float, half_cone: float) -> tuple[float, float, float]:
+    """Return the share of a distance that counts, m that the sensor sits ahead, and m taken off for its place.
+
+    Each reading asks for them several times, and a parameter that is set changes them.
+    """
+    ahead = min(offset, offset * math.cos(incidence))
+    return math.cos(max(0.0, incidence - half_cone)), ahead, aside * math.sin(incidence)

@@ -165,8 +165,8 @@ class Rig:
         )
 
     def decide(self) -> tuple[GuardedCommand, GuardState]:
-        command, state, self.lease = self.guard.decide(self.robot_ns)
-        return command, state
+        command, self.lease = self.guard.decide(self.robot_ns), self.guard.lease()
+        return command, self.guard.state()
 
     def passes(self, linear: float, angular: float = 0.0) -> tuple[float, float]:
         """What comes out of asking for this now."""

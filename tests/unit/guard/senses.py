@@ -16,6 +16,7 @@ from giraff_guard.obstacles import Limited, Obstacles, Verdicts
 from giraff_guard.ultrasonic.memory import Echoes
 from giraff_guard.ultrasonic.source import UltrasonicSource
 from giraff_schemas.messages import Attitude, Range, RobotTime, Verdict, Wheels
+from giraff_schemas.trouble import Trouble
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
 
 __all__ = [
@@ -158,6 +159,10 @@ class Senses:
 
     def judge(self) -> Verdicts:
         return self.obstacles.judge(self.now)
+
+    def troubles(self) -> dict[str, Trouble]:
+        self.judge()
+        return self.obstacles.troubles(self.now)
 
     def limit(self, linear: float, angular: float = 0.0) -> Limited:
         return self.obstacles.limit(linear, angular, self.now)

@@ -133,7 +133,7 @@ def test_one_that_is_not_heard_blocks_its_way(age: float | None, why: str) -> No
     judged = senses.verdict()
     assert (judged.freedom, judged.sensor) == ("blocked", "front")
     assert why in judged.reason
-    assert why in str(senses.judge().sensors["front"])
+    assert why in str(senses.troubles()["front"])
     assert senses.allowed("backward") == 0.6
 
 

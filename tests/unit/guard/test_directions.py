@@ -54,7 +54,7 @@ def test_far_is_free(way: str, asked: float, sensors: tuple[str, ...]) -> None:
     assert senses.verdict(way) == Verdict(allowed=0.6, freedom="free", sensor="", reason="", way_out="")
     assert senses.passes(asked, 0.5) == (asked, 0.5)
     assert senses.limit(asked, 0.5).reason == WELL
-    assert senses.judge().sensors == dict.fromkeys(ROBOT.sensors, WELL)
+    assert senses.troubles() == dict.fromkeys(ROBOT.sensors, WELL)
     assert sensors
 
 
@@ -95,7 +95,7 @@ def test_a_faulty_sensor_blinds_its_way_only(way: str, asked: float, sensors: tu
         senses = opened()
         senses.hear(None, sensor, fault="the echo line stays high; check its wiring")
         assert_blocked(senses, way, sensor, "faulty", "check its wiring")
-        assert "check its wiring" in str(senses.judge().sensors[sensor])
+        assert "check its wiring" in str(senses.troubles()[sensor])
         assert senses.passes(-asked) == (-asked, 0.0)
 
 
@@ -122,7 +122,7 @@ def test_a_stale_sensor_blinds_its_way_only(way: str, asked: float, sensors: tup
         assert senses.verdict(way).freedom != "blocked"
         senses.robot_ns += 1
         assert_blocked(senses, way, sensor, "stale", "0.4 s old", "check giraff_ranger")
-        assert "stale" in str(senses.judge().sensors[sensor])
+        assert "stale" in str(senses.troubles()[sensor])
         assert senses.passes(-asked)[0] == -asked
 
 

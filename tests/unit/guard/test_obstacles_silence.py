@@ -86,7 +86,7 @@ def test_each_sensor_of_a_way_has_to_prove_itself(sensor: str) -> None:
     assert judged.sensor == sensor
     assert judged.allowed == pytest.approx(SLOW)
     assert "has not proved lately that it hears" in judged.reason
-    assert str(senses.judge().sensors[sensor]) == judged.reason
+    assert str(senses.troubles()[sensor]) == judged.reason
     assert senses.verdict("backward").freedom == "free"
 
 

@@ -27,7 +27,7 @@ def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
         assert (judged.freedom, judged.sensor) == ("slow", sensor)
         assert "has not proved lately that it hears" in judged.reason
         assert "face a wall within 4 m" in judged.reason
-    assert "has not proved" in str(senses.judge().sensors["rear"])
+    assert "has not proved" in str(senses.troubles()["rear"])
 
 
 @pytest.mark.parametrize("bounded_by", ["its own table", "[guard]"])
@@ -71,7 +71,7 @@ def test_the_same_echo_again_and_again_while_the_robot_drives_is_frozen() -> Non
     assert judged.freedom == "blocked"
     assert "frozen" in judged.reason
     assert judged.way_out
-    assert "frozen" in str(senses.judge().sensors["front_left"])
+    assert "frozen" in str(senses.troubles()["front_left"])
     assert senses.passes(0.0, 1.0) == (0.0, 1.0)
     # Backward too, by the rear sensor: it repeats itself as well.
     assert senses.verdict("backward").freedom == "blocked"
@@ -99,14 +99,14 @@ def test_there_and_back_is_the_same_place() -> None:
     for velocity in (0.3, -0.3) * 3:
         senses.linear = velocity
         senses.cycle(FAR, cycles=2)
-    assert senses.judge().sensors["front_left"] == WELL
+    assert senses.troubles()["front_left"] == WELL
 
 
 def test_turning_does_not_freeze_it() -> None:
     senses = opened()
     senses.angular = 1.0
     senses.cycle(FAR, cycles=40)
-    assert senses.judge().sensors["front_left"] == WELL
+    assert senses.troubles()["front_left"] == WELL
 
 
 def test_silence_does_not_freeze_it() -> None:
@@ -124,7 +124,7 @@ def test_a_wall_that_comes_nearer_as_the_robot_does_is_no_frozen_echo() -> None:
         distance -= 0.3 * CYCLE
         senses.cycle({"front_left": distance, "front_right": distance, "rear": 6.0 - distance})
     assert senses.verdict().freedom == "free"
-    assert senses.judge().sensors == dict.fromkeys(senses.robot.sensors, WELL)
+    assert senses.troubles() == dict.fromkeys(senses.robot.sensors, WELL)
 
 
 def test_any_range_at_all_is_worth_creeping_at_most() -> None:
@@ -135,7 +135,7 @@ def test_any_range_at_all_is_worth_creeping_at_most() -> None:
         senses.cycle({"front_left": choose.uniform(0.02, 4.0)})
         if number >= 30:
             most.append(senses.allowed())
-            assert "jumps as no surface does" in str(senses.judge().sensors["front_left"])
+            assert "jumps as no surface does" in str(senses.troubles()["front_left"])
     assert max(most) == pytest.approx(0.1)
     senses.cycle(cycles=25)
     assert senses.verdict().freedom == "free"
@@ -147,7 +147,7 @@ def test_some_wild_readings_are_not_held_against_a_sensor() -> None:
     for _ in range(1000):
         wild = choose.random() < 0.05
         senses.cycle({"front_left": (choose.uniform(0.02, 4.0) if choose.random() < 0.5 else None) if wild else FAR})
-        assert senses.judge().sensors["front_left"] == WELL
+        assert senses.troubles()["front_left"] == WELL
 
 
 def test_a_wall_so_slanted_that_it_is_heard_now_and_then_is_not_held_against_a_sensor() -> None:
@@ -158,7 +158,7 @@ def test_a_wall_so_slanted_that_it_is_heard_now_and_then_is_not_held_against_a_s
         heard = choose.random()
         distance = 1.5 if heard < 0.2 else None if heard < 0.6 else 1.5 * choose.uniform(1.3, 2.6)
         senses.cycle({"front_left": distance})
-        held_against += senses.judge().sensors["front_left"] != WELL
+        held_against += senses.troubles()["front_left"] != WELL
     assert held_against < 25
 
 
@@ -168,7 +168,7 @@ def test_where_the_wheels_are_not_heard_no_sensor_is_called_frozen() -> None:
     for _ in range(10):
         senses.wait(CYCLE, wheels=False)
         senses.hear(FAR)
-    assert senses.judge().sensors["front_left"] == WELL
+    assert senses.troubles()["front_left"] == WELL
 
 
 def test_a_wrapped_counter_is_no_leap() -> None:

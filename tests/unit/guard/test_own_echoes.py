@@ -36,7 +36,7 @@ def test_only_echoes_that_follow_the_robots_motion_keep_a_trust(
     for number in range(round(2.1 / abs(moved))):
         heard_at -= changes * moved + (0.002 if number % 2 else -0.002)
         senses.cycle(dict.fromkeys(SIDES[way], heard_at))
-    trouble = senses.judge().sensors[SIDES[way][0]]
+    trouble = senses.troubles()[SIDES[way][0]]
     assert (not trouble) == is_own, trouble
     assert is_own or senses.allowed(way) < CONFIG.unproved_linear + 1e-9
 

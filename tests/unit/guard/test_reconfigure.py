@@ -28,9 +28,9 @@ def test_a_reading_older_than_the_new_budget_blinds_whichever_sensor_it_is_of(se
     senses = opened()
     senses.wait(0.3)
     senses.hear(FAR, *(name for name in ROBOT.sensors if name != sensor))
-    assert set(senses.judge().sensors.values()) == {WELL}
+    assert set(senses.troubles().values()) == {WELL}
     tightened(senses, range_budget=0.2)
-    sensors = senses.judge().sensors
+    sensors = senses.troubles()
     assert "stale" in str(sensors.pop(sensor))
     assert set(sensors.values()) == {WELL}
 
@@ -40,7 +40,7 @@ def test_a_shorter_way_makes_a_repeated_echo_frozen() -> None:
     tightened(senses, frozen_travel=0.05)
     senses.linear = 0.3
     senses.cycle(FAR, cycles=2)
-    assert all("frozen" in str(reason) for reason in senses.judge().sensors.values())
+    assert all("frozen" in str(reason) for reason in senses.troubles().values())
 
 
 def test_wheels_older_than_the_new_budget_are_not_heard() -> None:
