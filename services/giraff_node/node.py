@@ -315,11 +315,11 @@ class Node(Generic[ConfigT]):
     ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or an inbox was filled.
 
-        A board that rests is due when it no longer does. `prompt`: as of `Process.turns`.
+        A board is due when a frame of it is there. `prompt`: as of `Process.turns`.
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
-        return self._process.turns(*timers, *self._boards, link=link, look=self._look, prompt=prompt)
+        return self._process.turns(*timers, link=link, boards=self._boards, look=self._look, prompt=prompt)
 
     def set_fault(self, name: str, trouble: Trouble) -> None:
         """State what is wrong with `name` of this service itself, or with WELL that nothing is.

@@ -8,9 +8,9 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import FrameType, MappingProxyType, TracebackType
-from typing import Final, NoReturn
+from typing import Final, NoReturn, Protocol
 
 import zenoh
 
@@ -24,6 +24,14 @@ from giraff_node.process.systemd import Notifier
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
 _LOOK_PERIOD: Final = 0.1  # s between two looks at what is no part of a turn
+
+
+class FramedLink(Selectable, Paced, Protocol):
+    """A board's link, as `BoardLink` is one: its bytes wake the loop, and its frames make a turn due."""
+
+    def ready(self, now: float) -> bool:
+        """Return whether there is anything for a turn. `now`: monotonic, s."""
+        ...
 
 
 def restart_program(marks: Mapping[str, str] = MappingProxyType({})) -> NoReturn:
@@ -66,18 +74,21 @@ class Process:
         self,
         *timers: Paced,
         link: Selectable | None = None,
+        boards: Sequence[FramedLink] = (),
         look: Callable[[float], None] = lambda _: None,
         prompt: Callable[[float], None] | None = None,
     ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or somebody called `wake`.
 
+        `boards`: whose frames make a turn due, and not each of their bytes; `link` may be one of them.
         `look` is given the time ten times a second, and after `wake_loop`, before health is told.
         `prompt` is given the time of a turn that `wake` makes itself, in its caller's thread: turns never overlap. It
         must be short. None: each turn is yielded.
         Raises what `fail` was given.
         """
         watched: tuple[Selectable, ...] = (self._waker, self._health_socket, *([link] if link is not None else []))
-        self._timers = timers
+        own = frozenset(boards)
+        self._timers = (*timers, *boards)
         with self._turning:
             self._prompt = prompt
             readable: set[Selectable] = set()
@@ -95,8 +106,10 @@ class Process:
                     self._waker.drain()
                 if self._failure is not None:
                     raise self._failure
+                spoken = [board.ready(now) for board in boards if board in readable or board.wait(now) <= 0.0]
                 # A turn that was made meanwhile has put off the next one.
-                is_due = self._asked or readable or wait == _LONGEST_WAIT or self._wait(now) <= 0.0
+                is_due = any(spoken) or readable - own or any(timer.wait(now) <= 0.0 for timer in timers)
+                is_due = is_due or self._asked or (wait == _LONGEST_WAIT and not readable)
                 if is_due and not self._stopping:
                     self._asked = False
                     yield now

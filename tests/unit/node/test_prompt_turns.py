@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 
 import pytest
@@ -120,3 +121,34 @@ def test_a_loop_that_makes_all_turns_itself_is_woken(monkeypatch: pytest.MonkeyP
         turning.run(is_prompt=False)
     assert turning.wakes == 2
     assert "sample" not in turning.made
+
+
+class Line:
+    """A board's link, in which something comes during each wait. `frames`: whether one is whole then."""
+
+    def __init__(self, *frames: bool) -> None:
+        self._frames = [*frames]
+        self.looks = 0
+
+    def descriptor(self) -> int:
+        return -1
+
+    def wait(self, _now: float) -> float:
+        return math.inf
+
+    def ready(self, _now: float) -> bool:
+        self.looks += 1
+        return self._frames.pop(0)
+
+
+def test_a_frame_of_a_board_makes_one_turn_however_many_pieces_it_comes_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    line, turns = Line(False, False, True, False, True), 0
+    with turning_process() as process:
+        monkeypatch.setattr(lifecycle, "wait_for", lambda _watched, _seconds: {line})
+        timer = Timer(0.001)
+        timer.due(1e9)  # then it is due no more
+        for _ in process.turns(timer, link=line, boards=[line]):
+            turns += 1
+            if turns == 2:
+                process.leave()
+    assert line.looks == 5

@@ -23,11 +23,11 @@ class FakeProcess:
     """Turns never, and knows what for."""
 
     def __init__(self) -> None:
-        self.paced: list[Paced] = []
+        self.watched: tuple[Any, ...] = ()
         self.wakes = 0
 
-    def turns(self, *timers: Paced, **_: object) -> Iterator[float]:
-        self.paced.extend(timers)
+    def turns(self, *timers: Paced, link: object, boards: list[object], **_: object) -> Iterator[float]:
+        self.watched = (*timers, link, *boards)
         return iter(())
 
     def wake(self) -> None:
@@ -47,11 +47,11 @@ class FakeNode(Node[Any]):
         self.callbacks.append(callback)
 
 
-def test_a_board_that_no_longer_rests_makes_one_due() -> None:
+def test_the_loop_knows_which_link_is_a_board() -> None:
     node = FakeNode()
     timer, link = Timer(50.0), node.board("board", BASE_BOARD)
     assert list(node.turns(timer, link=link)) == []
-    assert node.process.paced == [timer, link]
+    assert node.process.watched == (timer, link, link)
 
 
 @pytest.mark.parametrize("wakes", [True, False])
