@@ -61,6 +61,11 @@ class HealthState:
         )
 
     @property
+    def faults(self) -> str:
+        """What is wrong with the service itself, a line each; empty: it is well."""
+        return "".join(f"{fault}\n" for fault in tuple(self._faults.values()))
+
+    @property
     def summary(self) -> str:
         """One line for people."""
         return "; ".join(map(str, (*self._faults.values(), *self._notices.values()))) or "well"

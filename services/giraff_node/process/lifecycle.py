@@ -21,6 +21,7 @@ from giraff_node.process.health_socket import HealthSocket
 from giraff_node.process.logs import service_logger
 from giraff_node.process.selector import Waker, wait_for
 from giraff_node.process.systemd import Notifier
+from giraff_node.process.watchdog import Watchdog, disarm
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
 _LOOK_PERIOD: Final = 0.1  # s between two looks at what is no part of a turn
@@ -39,6 +40,7 @@ def restart_program(marks: Mapping[str, str] = MappingProxyType({})) -> NoReturn
 
     `marks`: of its environment, what it is to know of its past.
     """
+    disarm()
     sys.stdout.flush()
     sys.stderr.flush()
     words = [sys.executable, *sys.orig_argv[1:]]
@@ -54,6 +56,7 @@ class Process:
         self.condition = HealthState(name, self.instance, self.log)
         self._health_socket = HealthSocket(name)
         self._notifier = Notifier()
+        self._watchdog = Watchdog()
         self._failure: BaseException | None = None
         self._stopping = False
         self._again: Mapping[str, str] | None = None
@@ -165,6 +168,7 @@ class Process:
         chosen = error.code if isinstance(error, SystemExit) and isinstance(error.code, int) else None
         if kind is not None and not chosen:
             self.log.error("ended by %s: %s", kind.__name__, error, exc_info=(kind, error, trace) if error else None)
+        self._watchdog.stopping()
         self._notifier.stopping()
         self._health_socket.close()
         signal.set_wakeup_fd(-1)
@@ -209,9 +213,11 @@ class Process:
 
     def _tell_how_it_is(self, now: float, *, asked: bool) -> None:
         """To this machine's healthchecks, if they have asked, and to systemd: from the loop, so a hung one is seen."""
+        self._watchdog.turn(now)
         self._health_socket.keep_open(now)
         if asked:
             self._health_socket.answer(self.condition.health)
+        self._health_socket.tell(now, self.condition.faults)
         self._notifier.turn(now, self.condition.summary)
         self.condition.set_fault("health socket", self._health_socket.fault)
         self.condition.set_notice("systemd", self._notifier.problem)

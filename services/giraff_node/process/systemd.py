@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import socket
 from collections.abc import Mapping
 from typing import Final
 
+from giraff_node.process.watchdog import watchdog_period
 from giraff_schemas.trouble import WELL, Trouble
 
 _LONGEST: Final = 1000  # characters of a status
@@ -24,7 +24,8 @@ class Notifier:
             self._address = "\0" + self._address[1:]
         # Made once: a door whose descriptors a flood has taken still has this one, and its watchdog is told.
         self._out = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_NONBLOCK) if self._address else None
-        self._period = _watchdog_period(environment)
+        watchdog = watchdog_period(environment)
+        self._period = None if watchdog is None else watchdog / 2  # as sd_watchdog_enabled(3) advises
         self._next = 0.0
         self._ready = False
         self._status = ""
@@ -69,13 +70,3 @@ class Notifier:
             return False
         self.problem = WELL
         return True
-
-
-def _watchdog_period(environment: Mapping[str, str]) -> float | None:
-    """s between two signs of life: half of what systemd waits for one; None when it waits for none of this process."""
-    if environment.get("WATCHDOG_PID", str(os.getpid())) != str(os.getpid()):
-        return None
-    with contextlib.suppress(ValueError):
-        microseconds = int(environment.get("WATCHDOG_USEC", "0"))
-        return microseconds / 2e6 if microseconds > 0 else None
-    return None

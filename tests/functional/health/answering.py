@@ -11,15 +11,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from giraff_health import ask
 
-PROGRAM = ["-I", "-S", str(ask.__file__)]  # as healthchecks run it
-
-
-def check(directory: Path | str, *arguments: str, program: list[str] = PROGRAM) -> tuple[int, str]:
+def check(directory: Path | str, *arguments: str) -> tuple[int, str]:
     """Exit code and words of the program."""
     environment = os.environ | {"RUNTIME_DIRECTORY": str(directory)}
-    command = [sys.executable, *program, *arguments]
+    command = [sys.executable, "-m", "giraff_health", *arguments]
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=60)
     assert run.stderr == ""
     return run.returncode, run.stdout

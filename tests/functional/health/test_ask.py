@@ -1,11 +1,8 @@
-"""The program that healthchecks run: its exit codes, its words, and that it needs nothing and waits for nobody."""
+"""The program that asks a service how it is: its exit codes and its words, and that it waits for nobody."""
 
 from __future__ import annotations
 
-import os
 import socket
-import subprocess
-import sys
 from pathlib import Path
 
 import msgspec
@@ -13,7 +10,7 @@ import pytest
 
 from giraff_health.ask import WELL, socket_path
 from giraff_schemas.health import Health
-from tests.functional.health.answering import PROGRAM, answering, check
+from tests.functional.health.answering import answering, check
 
 
 def line(*faults: str, notices: tuple[str, ...] = ()) -> bytes:
@@ -23,11 +20,10 @@ def line(*faults: str, notices: tuple[str, ...] = ()) -> bytes:
     return msgspec.json.encode(health) + b"\n"
 
 
-@pytest.mark.parametrize("program", [PROGRAM, ["-m", "giraff_health"]], ids=["file", "module"])
-def test_a_well_service_is_0_with_the_whole_answer(tmp_path: Path, program: list[str]) -> None:
+def test_a_well_service_is_0_with_the_whole_answer(tmp_path: Path) -> None:
     answer = line(notices=("no wheels",))
     with answering(tmp_path, answer):
-        assert check(tmp_path, "base", program=program) == (0, answer.decode())
+        assert check(tmp_path, "base") == (0, answer.decode())
 
 
 def test_an_unwell_one_is_1_with_a_line_a_fault(tmp_path: Path) -> None:
@@ -112,16 +108,3 @@ def test_a_wrong_call_is_2_with_the_right_one(tmp_path: Path, arguments: tuple[s
 def test_without_a_variable_it_asks_where_the_unit_has_it() -> None:
     assert socket_path("base", {}) == "/run/giraff/base/base.sock"
     assert socket_path("base", {"RUNTIME_DIRECTORY": "/run/a:/run/b"}) == "/run/a/base.sock"
-
-
-def test_it_imports_little_and_nothing_that_is_installed(tmp_path: Path) -> None:
-    run = subprocess.run(
-        [sys.executable, "-X", "importtime", *PROGRAM, "base"],
-        env=os.environ | {"RUNTIME_DIRECTORY": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    loaded = {line.rpartition("|")[2].strip() for line in run.stderr.splitlines()}
-    assert "socket" in loaded
-    assert not loaded & {"json", "re", "typing", "pathlib", "subprocess", "asyncio", "site", "zenoh", "msgspec"}

@@ -48,8 +48,8 @@ def test_a_service_tells_what_it_speaks_of_and_listens_to_and_what_it_takes(peer
     assert 0.0 < health.cpu_time <= sum(seen.cpu_times()[:2]) + 0.02  # the kernel cuts both to 10 ms
 
 
-def test_the_socket_tells_what_the_network_is_told(peers: Peers, tmp_path: Path) -> None:
-    process = peers.start("talker", RUNTIME_DIRECTORY=str(tmp_path / "run"))
+def test_the_socket_tells_what_the_network_is_told(peers: Peers, manager: FakeManager, tmp_path: Path) -> None:
+    process = peers.start("talker", **manager.environment, RUNTIME_DIRECTORY=str(tmp_path / "run"))
     wait((tmp_path / "run" / "base.sock").exists, 60.0)
     local = msgspec.json.decode(ask(str(tmp_path / "run" / "base.sock"), timeout=60.0), type=Health)
     remote = peers.health("base")
@@ -59,6 +59,7 @@ def test_the_socket_tells_what_the_network_is_told(peers: Peers, tmp_path: Path)
     process.send_signal(signal.SIGTERM)
     assert process.wait(timeout=60.0) == 0
     assert not (tmp_path / "run" / "base.sock").exists()
+    assert manager.heard() == ["READY=1", "STATUS=well", "STOPPING=1"]
 
 
 def test_a_service_killed_outright_comes_back_at_the_same_place(peers: Peers, tmp_path: Path) -> None:
@@ -102,37 +103,25 @@ def test_those_who_ask_without_pause_or_never_read_cost_no_sample(peers: Peers, 
     assert "gapless=False" not in peers.output("listener").read_text()
 
 
-def hang(peers: Peers, until: Path) -> None:
-    """Let the loop of the sleepy one hang, until there is such a file."""
-    request = encode(EStopEngage(by="test", reason=str(until)))
+def test_a_loop_that_hangs_looks_dead_and_ends_its_process_with_the_place_in_its_log(
+    peers: Peers, manager: FakeManager, tmp_path: Path
+) -> None:
+    runtime = {"RUNTIME_DIRECTORY": str(tmp_path), "WATCHDOG_USEC": "3000000"}
+    process = peers.start("sleepy", **manager.environment, **runtime)
+    assert manager.await_next() == ["READY=1", "STATUS=well", "WATCHDOG=1"]
+    assert [manager.await_next() for _ in range(3)] == [["WATCHDOG=1"]] * 3  # 4.5 s, in which the watchdog leaves it
+    path = tmp_path / "guard.sock"
+    assert ask(str(path), timeout=60.0)
+    request = encode(EStopEngage(by="test", reason=str(tmp_path / "never")))
 
     def hangs() -> bool:
         peers.session.get(key_of(ROBOT, ESTOP_ENGAGE), lambda _reply: None, payload=request, timeout=0.1)
         return "hangs" in peers.output("sleepy").read_text()
 
     wait(hangs, 60.0, every=0.2)
-
-
-def test_a_loop_that_hangs_does_not_answer_nor_tells_systemd_that_it_lives(
-    peers: Peers, manager: FakeManager, tmp_path: Path
-) -> None:
-    runtime = {"RUNTIME_DIRECTORY": str(tmp_path), "WATCHDOG_USEC": "400000"}
-    process = peers.start("sleepy", **manager.environment, **runtime)
-    assert manager.await_next() == ["READY=1", "STATUS=well", "WATCHDOG=1"]
-    assert [manager.await_next() for _ in range(3)] == [["WATCHDOG=1"]] * 3
-    path = str(tmp_path / "guard.sock")
-    assert ask(path, timeout=60.0)
-    hang(peers, tmp_path / "go on")
     manager.heard()
-    with pytest.raises(TimeoutError):
-        ask(path, timeout=0.5)
-    assert peers.health("guard").ok  # a thread's word, which proves nothing
+    with pytest.raises((TimeoutError, ConnectionResetError)):  # the latter, where this test was late
+        ask(str(path), timeout=0.5)
     assert manager.heard() == []
-    (tmp_path / "go on").touch()
-    assert ask(path, timeout=60.0)
-    assert "WATCHDOG=1" in manager.await_next()
-    process.send_signal(signal.SIGTERM)
-    assert process.wait(timeout=60.0) == 0
-    *signs, last = manager.heard()
-    assert last == "STOPPING=1"
-    assert {*signs} <= {"WATCHDOG=1", "STATUS=well"}
+    assert process.wait(timeout=60.0) == -signal.SIGALRM
+    assert 'service_under_test.py", line' in peers.log("sleepy").read_text()

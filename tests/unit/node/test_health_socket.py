@@ -12,7 +12,7 @@ import msgspec
 import pytest
 
 from giraff_health.ask import ask
-from giraff_node.process.health_socket import RETRY, HealthSocket
+from giraff_node.process.health_socket import RETRY, TOUCHED, HealthSocket
 from giraff_schemas.health import Health
 from giraff_schemas.trouble import WELL
 
@@ -136,6 +136,38 @@ def test_a_second_process_says_so_and_takes_over_when_the_first_has_ended(tmp_pa
     assert told(client)
     second.close()
     assert not (tmp_path / "base.sock").exists()
+
+
+def test_the_file_of_faults_is_written_on_a_change_and_touched_as_long_as_the_loop_turns(tmp_path: Path) -> None:
+    answerer, file = opened(tmp_path), tmp_path / "base.faults"
+    second = opened(tmp_path)
+    second.tell(0.0, "of a second process\n")
+    assert not file.exists()
+    answerer.tell(0.0, "")
+    assert file.read_text() == ""
+    os.utime(file, (1.0, 1.0))
+    answerer.tell(TOUCHED / 2, "")
+    assert file.stat().st_mtime == 1.0  # it costs no more than it must
+    answerer.tell(TOUCHED, "")
+    assert file.stat().st_mtime > 1.0
+    answerer.tell(TOUCHED * 1.1, "unplugged\n")
+    assert file.read_text() == "unplugged\n"
+    answerer.close()
+    assert not file.exists()
+
+
+def test_an_old_word_does_not_stay_where_a_new_one_cannot_be_written(tmp_path: Path) -> None:
+    answerer, file = opened(tmp_path), tmp_path / "base.faults"
+    answerer.tell(0.0, "")
+    (tmp_path / "base.faults.new").mkdir()
+    answerer.tell(1.0, "unplugged\n")
+    assert not file.exists()
+    assert "base.faults" in str(answerer.fault)
+    (tmp_path / "base.faults.new").rmdir()
+    answerer.tell(2.0, "")
+    assert file.read_text() == ""
+    assert answerer.fault == WELL
+    answerer.close()
 
 
 def test_a_directory_that_cannot_be_is_a_fault_with_the_way_out(tmp_path: Path) -> None:
