@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import re
 from typing import Final
+
+import msgspec
 
 from giraff_schemas.messages import Lease
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
@@ -25,7 +26,7 @@ _BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
 
 def unranked_notice(operator: str) -> Trouble:
     """Return what to tell of an operator whose name no table ranks, with the line that the robot file needs."""
-    key = operator if _BARE_KEY.fullmatch(operator) else json.dumps(operator)
+    key = operator if _BARE_KEY.fullmatch(operator) else msgspec.json.encode(operator).decode()
     return Trouble(
         f"operator {operator} has no priority, so any person's hand takes the robot from it",
         f"if a person drives by it, write `{key} = 0` under [guard.priorities] in the robot file of the guard's "

@@ -11,7 +11,6 @@ from importlib import import_module
 from typing import Any
 
 from giraff_core.io import IO
-from giraff_core.operator import OperatorService
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import read_known, suggestion
 from giraff_node.node import Node
@@ -56,6 +55,8 @@ def build(service: Service, io: IO, config: Any, robot: RobotConfig, *more: Any)
     """What a `Node` turns. `more`: what a service with a `main` of its own gives to it. Raises ValueError."""
     name = service.name.capitalize()
     if service.entry == "hand":
+        from giraff_core.operator import OperatorService  # noqa: PLC0415  the robot's own services need none of it
+
         return OperatorService(io, getattr(_module(service, "hand"), name)(config, robot, io.instance))
     return getattr(_module(service, "service"), name)(io, config, robot, *more)
 

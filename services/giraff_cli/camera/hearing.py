@@ -10,7 +10,8 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.camera import CameraState
 from giraff_schemas.topics import CAMERA_STATE
 

@@ -24,11 +24,12 @@ from giraff_cli.terminal.text import counted
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import Target, list_robots, resolve_target, settle, target_of
+from giraff_node.network.discovery import Target, resolve_target, settle, target_of
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.network.scouting import scout
 from giraff_node.network.session import NobodyError, open_session
 from giraff_node.network.sockets import PROTOCOL
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.services import BASE, WEB
 from giraff_schemas.text import printable
 from giraff_schemas.trouble import WELL, Trouble

@@ -11,9 +11,9 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
 from giraff_core.kinematics.pose import Pose
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
 from giraff_node.network.query_client import QueryClient
-from giraff_node.network.tokens import find_tokens
+from giraff_node.network.tokens import find_tokens, list_robots
 from giraff_schemas.localization import LocalizationAnswer, LocalizationGlobal, LocalizationSetPose
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key

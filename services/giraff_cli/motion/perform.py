@@ -20,7 +20,8 @@ from giraff_core.motion.result import MotionResult
 from giraff_node import robot_now_ns
 from giraff_node.motion_client import TURN, MotionClient, Wish
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.localization import MapPose
 from giraff_schemas.motion import GoTo
 from giraff_schemas.topics import POSE

@@ -9,8 +9,9 @@ from typing import Final
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.robot import RobotConfig
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
 from giraff_node.network.query_client import QueryClient
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.checks import converted
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import BASE

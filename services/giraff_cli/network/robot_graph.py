@@ -17,7 +17,8 @@ from giraff_cli.network.statistics import Arrival, TopicStatistics
 from giraff_cli.network.topic_keys import intersects, is_declared, meant
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.health import Health
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of

@@ -14,9 +14,9 @@ from giraff_cli.network.user import user_at_host
 from giraff_cli.param.format import Shown, as_objects, differing, without_moved
 from giraff_cli.terminal.page import print_json
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
 from giraff_node.network.query_client import QueryClient
-from giraff_node.network.tokens import find_tokens
+from giraff_node.network.tokens import find_tokens, list_robots
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.services import ANSWERING

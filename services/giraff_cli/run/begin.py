@@ -23,8 +23,9 @@ from giraff_cli.terminal.screen import say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import is_simulated_here, list_robots
+from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.session import open_session
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.text import printable_lines
 
 _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms

@@ -14,8 +14,9 @@ from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_node import robot_now_ns
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
 from giraff_node.network.tcp_options import set_tcp_options
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic
 from giraff_viewer.memory import require_memory

@@ -18,7 +18,8 @@ from giraff_cli.why.chain import Standing
 from giraff_cli.why.diagnosis import Diagnosis, diagnose
 from giraff_cli.why.observation import Observation
 from giraff_node import robot_now_ns
-from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.discovery import not_found_text
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.health import Health
 from giraff_schemas.topics import health_key
 

@@ -14,9 +14,8 @@ import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import list_robots
 from giraff_node.network.session import NobodyError, close_session, open_clients, open_session
-from giraff_node.network.tokens import Token, find_tokens, watch_tokens
+from giraff_node.network.tokens import Token, find_tokens, list_robots, watch_tokens
 from giraff_schemas.services import BASE, ROBOTS_OWN
 from giraff_schemas.topics import alive_key
 

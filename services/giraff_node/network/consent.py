@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import shlex
 import signal
 import sys
 import threading
@@ -44,6 +43,8 @@ def agree(robot: str, host: str, line: str) -> None:
 
 def options(names: Sequence[str]) -> str:
     """Return the options that name these robots. Of a long list, it names only the first."""
+    import shlex  # noqa: PLC0415  for a command with several robots; a service waits for no such module
+
     listed = ", ".join(f"--robot {shlex.quote(name)}" for name in names[:_MOST_LISTED])
     return listed + (f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else "")
 

@@ -12,7 +12,7 @@ import re
 import socket
 import time
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
@@ -25,14 +25,13 @@ from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.replies import gather_replies
-from giraff_node.network.tokens import Token, find_tokens, watch_tokens
+from giraff_node.network.tokens import REPLY_WITHIN, Token, list_robots, robots_of, watch_tokens
 from giraff_schemas.health import Health
-from giraff_schemas.services import BASE, PLAY, ROBOTS_OWN
-from giraff_schemas.topics import alive_key, health_key, require_chunk
+from giraff_schemas.services import BASE, PLAY
+from giraff_schemas.topics import health_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s
 _SETTLED: Final = 0.5  # s after the first robot was found: the others of a network are met within some ten ms
-_REPLY_WITHIN: Final = 0.5  # s
 
 CORRECT_IT: Final = "correct it: without it nobody knows which robot is meant, or how it is reached"
 """The way out of a ConfigError of `resolve_target`."""
@@ -112,22 +111,6 @@ def name_of(given: RawSettings) -> str:
         return require_chunk(name)
     except ValueError as error:
         raise ConfigError(f"{given.place('robot')}: name: {error}") from error
-
-
-def list_robots(session: zenoh.Session) -> list[str]:
-    """Names of the robots that are on the network now."""
-    return robots_of(find_tokens(session, alive_key("*"), _REPLY_WITHIN))
-
-
-def robots_of(tokens: Iterable[Token]) -> list[str]:
-    """The robots that these liveliness tokens tell of.
-
-    A keyboard or a recorder that waits for a robot is no robot; one that is played is. Only where no robot has a
-    service of its own there, whoever else uses its name stands for it.
-    """
-    services = [(token.robot, token.service) for token in tokens]
-    own = {robot for robot, service in services if service in (*ROBOTS_OWN, PLAY.name)}
-    return sorted(own or {robot for robot, _ in services})
 
 
 class RobotMonitor:
@@ -244,7 +227,7 @@ def host_of(session: zenoh.Session, robot: str) -> str:
     hosts: dict[bool, str] = {}
     key, all_ = health_key(robot), zenoh.QueryTarget.ALL
     for reply in gather_replies(
-        lambda handler: session.get(key, handler, target=all_, timeout=_REPLY_WITHIN), _REPLY_WITHIN
+        lambda handler: session.get(key, handler, target=all_, timeout=REPLY_WITHIN), REPLY_WITHIN
     ):
         with contextlib.suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
             if reply.ok is not None:

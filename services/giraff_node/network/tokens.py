@@ -6,15 +6,17 @@ robot of ours. It is left out and told, so that it cannot end a command.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Final, NamedTuple
 
 import zenoh
 
 from giraff_node.network import consent
 from giraff_node.network.replies import gather_replies
+from giraff_schemas.services import PLAY, ROBOTS_OWN
 from giraff_schemas.topics import alive_key, require_chunk
 
+REPLY_WITHIN: Final = 0.5  # s in which whoever is there answers
 _MOST_TOLD: Final = 5
 """Number of odd tokens that one process tells: a stranger must not fill the terminal or the log."""
 _LONGEST_TOLD: Final = 100  # characters
@@ -49,6 +51,22 @@ def find_tokens(session: zenoh.Session, key: str, within: float) -> list[Token]:
     replies = gather_replies(lambda handler: session.liveliness().get(key, handler, timeout=within), within)
     found = (read_token(str(reply.ok.key_expr)) for reply in replies if reply.ok is not None)
     return [token for token in found if token is not None]
+
+
+def list_robots(session: zenoh.Session) -> list[str]:
+    """Return the names of the robots that are on the network now."""
+    return robots_of(find_tokens(session, alive_key("*"), REPLY_WITHIN))
+
+
+def robots_of(tokens: Iterable[Token]) -> list[str]:
+    """Return the robots that these liveliness tokens tell of.
+
+    A keyboard or a recorder that waits for a robot is no robot; one that is played is. Only where no robot has a
+    service of its own there, whoever else uses its name stands for it.
+    """
+    services = [(token.robot, token.service) for token in tokens]
+    own = {robot for robot, service in services if service in (*ROBOTS_OWN, PLAY.name)}
+    return sorted(own or {robot for robot, _ in services})
 
 
 def watch_tokens(

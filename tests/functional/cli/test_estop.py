@@ -12,8 +12,9 @@ from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
-from giraff_node.network.discovery import RobotMonitor, list_robots
+from giraff_node.network.discovery import RobotMonitor
 from giraff_node.network.session import close_session, open_session
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import alive_key
 from tests.functional.cli.bases import DONE, EPOCH, ROBOT, base

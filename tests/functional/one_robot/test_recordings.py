@@ -15,7 +15,7 @@ import pytest
 from mcap.reader import make_reader
 
 from giraff_mcap.reading import Recording
-from giraff_node.network.discovery import list_robots
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.topics import PARAM_DESCRIBE, key_below, key_of
 from tests.support.desk import Done, run_beside
 from tests.support.elsewhere import clean, giraff

@@ -15,8 +15,8 @@ import pytest
 
 from giraff_client import NoRobotError, Robot
 from giraff_node.network import consent
-from giraff_node.network.discovery import Target, choose, robots_of, simulated_name
-from giraff_node.network.tokens import Token
+from giraff_node.network.discovery import Target, choose, simulated_name
+from giraff_node.network.tokens import Token, robots_of
 from giraff_schemas.topics import alive_key
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.test_refusal import WORDS, with_session

@@ -146,7 +146,7 @@ def test_a_name_that_no_robot_can_have_is_left_out_and_told_once(
     assert tokens.read_token(key) is None
     assert ascii(key) in capsys.readouterr().err
     with network.others.declare_token(alive_key(ONE, "base", "1")), network.others.declare_token(key):
-        assert robots.list_robots(network.ours) == [ONE]
+        assert tokens.list_robots(network.ours) == [ONE]
         assert RobotMonitor(network.ours).all_names == [ONE]
     assert capsys.readouterr().err == ""
     for number in range(20):
