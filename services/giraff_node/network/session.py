@@ -122,6 +122,8 @@ def session_config(
     if role == "inside":
         rules = config["access_control"] if network.mode == "secured" else {}
         config["access_control"] = with_inside(rules, is_split=network.is_split)
+        # It dials a door, too, which may come later. Zenoh would wait for an answer of each before a first sample.
+        config["scouting"]["delay"] = 0
     elif role == "client" and network.mode == "secured":
         config["access_control"] = with_own_host(config["access_control"])
     return config

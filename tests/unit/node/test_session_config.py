@@ -48,6 +48,7 @@ def test_who_is_inside_listens_to_its_own_host_alone() -> None:
     config = session_config(NetworkConfig(), ROBOT, "inside")
     assert all(endpoint.startswith("unixsock-stream/") for endpoint in config["listen"]["endpoints"])
     assert config["scouting"]["multicast"]["enabled"] is False
+    assert config["scouting"]["delay"] == 0, "a start would wait 0.2 s for a door that is not there"
 
 
 @pytest.mark.parametrize("role", ["door", "outside", "apart"])
