@@ -26,8 +26,8 @@ class FakeProcess:
         self.watched: tuple[Any, ...] = ()
         self.wakes = 0
 
-    def turns(self, *timers: Paced, link: object, boards: list[object], **_: object) -> Iterator[float]:
-        self.watched = (*timers, link, *boards)
+    def turns(self, *timers: Paced, link: object, boards: list[object] | None = None, **_: object) -> Iterator[float]:
+        self.watched = (*timers, link, *(boards or ()))
         return iter(())
 
     def wake(self) -> None:
