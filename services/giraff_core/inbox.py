@@ -21,6 +21,10 @@ class Inbox(Generic[ItemT]):
     def accept(self, sample: ItemT) -> None:
         self._samples.append(sample)
 
+    def __len__(self) -> int:
+        """Return how many wait."""
+        return len(self._samples)
+
     def take(self) -> Iterator[ItemT]:
         for _ in range(len(self._samples)):  # what comes meanwhile waits: a flood must not hold the loop
             yield self._samples.popleft()

@@ -65,6 +65,7 @@ from giraff_schemas.topics import (
 from giraff_schemas.trouble import Trouble
 
 _STEADY = (BASE.name, GUARD.name)  # nothing that may hold them up for longer than a turn is done in these
+_LOOKS_EVERY = 0.05  # s; links, routers, keys and addresses change at their own pace, whatever a service turns for
 _MOST_NAMED = 10  # robots; on an open network anybody may declare a name
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
 
@@ -171,6 +172,7 @@ class Node(Generic[ConfigT]):
             if is_open and session is None
             else None
         )
+        self._next_look = 0.0
         self._bulk: BulkSession | None = None
         self._boards: list[BoardLink] = []
         self._declared: list[Any] = []  # a subscriber that nobody references ends
@@ -342,6 +344,9 @@ class Node(Generic[ConfigT]):
 
     def _look(self, now: float) -> None:
         self._server.turn(self._describes, self._sets, self._saves, self.on_reconfigured)
+        if now < self._next_look:
+            return
+        self._next_look = now + _LOOKS_EVERY
         if self._keys is not None:
             self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
         if self._router is not None:

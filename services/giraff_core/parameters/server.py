@@ -57,6 +57,8 @@ class ParameterServer(Generic[ConfigT]):
         self, describes: Describes, sets: Sets, saves: Saves, reconfigure: Callable[[ConfigT], None] | None
     ) -> None:
         """Answer what has come. `reconfigure` takes what is in force from now on; None: nothing can be set."""
+        if not (describes or sets or saves or self._writing):
+            return
         for asked in describes.take():
             asked.answer(self._answer(WELL))
         for to_set in sets.take():
