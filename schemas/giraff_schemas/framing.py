@@ -25,13 +25,13 @@ def encode(body: bytes) -> bytes:
 
 def _decode_cobs(encoded: bytes) -> bytes | None:
     """The bytes that were encoded (without the 0x00 at the end), or None when no encoder wrote this."""
-    data = bytearray(encoded)
+    data, length = bytearray(encoded), len(encoded)
     at = 0
-    while at < len(data):
+    while at < length:
         code = encoded[at]  # never 0: that ends a frame
         data[at] = 0  # what each code byte stands for, but the first
         at += code
-    return bytes(data[1:]) if at == len(data) else None
+    return bytes(data[1:]) if at == length else None
 
 
 class Decoder:
