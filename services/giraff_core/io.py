@@ -7,19 +7,21 @@ simulation runs the same turn on networks, cables and disks of its own, in simul
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import msgspec
 
 from giraff_core.inbox import Inbox
 from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
-from giraff_schemas.boards import BoardType
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic
 from giraff_schemas.trouble import Trouble
-from giraff_schemas.wire import Frame
+
+if TYPE_CHECKING:  # most services have no board
+    from giraff_schemas.boards import BoardType
+    from giraff_schemas.wire import Frame
 
 SampleT_contra = TypeVar("SampleT_contra", bound=Sample, contravariant=True)
 RequestT_co = TypeVar("RequestT_co", bound=msgspec.Struct, covariant=True)

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Generic, Self
+from typing import TYPE_CHECKING, Any, Generic, Self
 
 import msgspec
 import zenoh
@@ -25,11 +25,9 @@ from giraff_core.io import Paced, PendingQuery, Selectable, Service
 from giraff_core.network import NetworkConfig
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
-from giraff_node.boards.board_link import BoardLink
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.config.settings import Settings
 from giraff_node.network.base_reach import BaseReach, WrongRobotCheck
-from giraff_node.network.bulk_session import BulkPublisher, BulkSession
 from giraff_node.network.decode_errors import DecodeErrors
 from giraff_node.network.host_addresses import AddressWatch, host_addresses, placed_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
@@ -40,7 +38,6 @@ from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.process.clock import robot_now_ns
 from giraff_node.process.lifecycle import Process
 from giraff_node.process.state import Folder, state_directory
-from giraff_schemas.boards import BoardType
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health, WebPage
@@ -64,8 +61,12 @@ from giraff_schemas.topics import (
 )
 from giraff_schemas.trouble import Trouble
 
+if TYPE_CHECKING:  # imported where they are used: most services have neither a board nor pictures
+    from giraff_node.boards.board_link import BoardLink
+    from giraff_node.network.bulk_session import BulkPublisher, BulkSession
+    from giraff_schemas.boards import BoardType
+
 _STEADY = (BASE.name, GUARD.name)  # nothing that may hold them up for longer than a turn is done in these
-_LOOKS_EVERY = 0.05  # s; links, routers, keys and addresses change at their own pace, whatever a service turns for
 _MOST_NAMED = 10  # robots; on an open network anybody may declare a name
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
 
@@ -172,7 +173,6 @@ class Node(Generic[ConfigT]):
             if is_open and session is None
             else None
         )
-        self._next_look = 0.0
         self._bulk: BulkSession | None = None
         self._boards: list[BoardLink] = []
         self._declared: list[Any] = []  # a subscriber that nobody references ends
@@ -207,6 +207,8 @@ class Node(Generic[ConfigT]):
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT] | BulkPublisher[SampleT]:
         self._process.condition.publishes.append(topic.key)
         if topic.qos == "bulk":
+            from giraff_node.network.bulk_session import BulkPublisher, BulkSession  # noqa: PLC0415
+
             if self._bulk is None:
                 self._bulk = BulkSession(self.network, self.robot.name, lambda told: self.set_notice("door", told))
             return BulkPublisher(self._bulk, self.robot.name, topic, self.instance)
@@ -286,8 +288,9 @@ class Node(Generic[ConfigT]):
         return QueryClient(self.session, self.robot.name, query, request, settles)
 
     def board(self, path: str, board: BoardType) -> BoardLink:
-        link = BoardLink(path, board)
-        self._boards.append(link)
+        from giraff_node.boards.board_link import BoardLink  # noqa: PLC0415
+
+        self._boards.append(link := BoardLink(path, board))
         return link
 
     def monotonic(self) -> float:
@@ -344,9 +347,6 @@ class Node(Generic[ConfigT]):
 
     def _look(self, now: float) -> None:
         self._server.turn(self._describes, self._sets, self._saves, self.on_reconfigured)
-        if now < self._next_look:
-            return
-        self._next_look = now + _LOOKS_EVERY
         if self._keys is not None:
             self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
         if self._router is not None:
