@@ -7,7 +7,6 @@ from typing import assert_never
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Drive
 from giraff_base.drives.balancer.config import BalancerConfig
-from giraff_base.drives.balancer.drive import BalancerDrive
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.drive import WheelsDrive
 from giraff_core.robot import RobotConfig
@@ -21,6 +20,8 @@ def drive_of(robot: RobotConfig, config: BaseConfig) -> Drive:
         case WheelsConfig() as wheels:
             return WheelsDrive(robot, wheels, acceleration)
         case BalancerConfig() as balancer:
+            from giraff_base.drives.balancer.drive import BalancerDrive  # noqa: PLC0415  few robots balance
+
             return BalancerDrive(robot, balancer)
         case _ as never:
             assert_never(never)
