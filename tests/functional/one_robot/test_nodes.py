@@ -64,6 +64,16 @@ def tells(*patterns: str) -> Holds:
     return lambda done: all(re.search(each, done.stdout, re.MULTILINE) for each in patterns)
 
 
+MOST_THREADS: Final[Mapping[str, int]] = {"base": 10, "guard": 11, "joystick": 8, "ranger": 10, "odometry": 11}
+"""Python's own, by service: the loop, one for each subscriber and queryable, one for each file that is kept."""
+RECEIVING: Final = 16
+"""Zenoh's, in each, at least: as many links may die at one moment, and none of the others waits for them."""
+
+
+def threads_of(pid: int) -> list[str]:
+    return [name.read_text().strip() for name in Path(f"/proc/{pid}/task").glob("*/comm")]
+
+
 FRAMES: Final = 1 + len(ROBOT.sensors) + 1
 """In others: the robot, its sensors, its laser."""
 ASKED: Final[Mapping[str, Holds]] = {
@@ -231,6 +241,16 @@ def test_top_has_services_hosts_and_topics(robot: ProcessRobot, told: Mapping[st
     assert rss == sum(work["rss_bytes"] for work in report["services"])
     [odom] = [stream for stream in report["topics"] if stream["key"] == "odom"]
     assert odom["by"] == "odometry"
+
+
+def test_a_service_has_few_threads(robot: ProcessRobot) -> None:
+    for service in SERVICES:
+        names = threads_of(robot.pid(service))
+        assert sum(name.startswith("rx-") for name in names) >= RECEIVING, service
+        of_python = [name for name in names if name.startswith("python")]
+        assert len(of_python) <= MOST_THREADS[service], (
+            f"{service}: a subscriber or a queryable more is a thread more; let two share one, or raise the limit"
+        )
 
 
 def test_losses_and_silence_show(told: Mapping[str, Done]) -> None:
