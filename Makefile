@@ -10,7 +10,7 @@ COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-ve
 # What one kind of host needs, in the versions that everything is tested with.
 PART := $(COMPILE) --constraint requirements/dev.lock --group build
 
-.PHONY: help setup run test test-hosts test-timing lint mypy pyright format campaign mutants lock install clean
+.PHONY: help setup run test test-hosts test-timing bench lint mypy pyright format campaign mutants lock install clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -44,6 +44,9 @@ mutants: setup ## Each safety rule broken, its test must fail, e.g. make mutants
 
 test-timing: setup ## What the wall clock judges, by hand, on a quiet machine; ARGS=tests/timing/long for the longest
 	@tests/timing/run $(ARGS)
+
+bench: setup ## What services cost beside bare Zenoh, 8 minutes on a quiet machine; ARGS="--rounds 1 --only pairs"
+	@$(VENV)/python -m bench $(ARGS)
 
 test-hosts: setup ## docker-compose up on three hosts of this machine, as root; cables cut, power lost
 	@tests/hosts/run $(ARGS)

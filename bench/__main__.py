@@ -1,0 +1,74 @@
+"""make bench: measure, print, and renew results.json and docs/performance.md. ARGS="--rounds 1 --only pairs"."""
+
+from __future__ import annotations
+
+import argparse
+import datetime as dt
+import json
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Final
+
+from bench import alone, pairs, robot
+from bench.figures import Figures, as_json, from_json
+from bench.pictures import pictures
+from bench.report import page, tables
+from giraff_sim.board import BUILD, ROOT
+
+_PARTS: Final = {
+    "pairs": pairs.measure,
+    "robot": robot.measure,
+    "codec": alone.measure_codec,
+    "serial": alone.measure_serial,
+    "simulation": alone.measure_simulation,
+}
+_ROUNDS: Final = 5
+RESULTS: Final = ROOT / "bench" / "results.json"
+PAGE: Final = ROOT / "docs" / "performance.md"
+PICTURES: Final = ROOT / "docs" / "pictures"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make bench", description="Measure services beside bare Zenoh.")
+    parser.add_argument("--rounds", type=int, default=_ROUNDS, help="how often everything is measured")
+    parser.add_argument("--only", action="append", choices=_PARTS, help="one part; may be given several times")
+    given = parser.parse_args()
+    figures = Figures()
+    for number in range(given.rounds):
+        for part in given.only or _PARTS:
+            print(f"round {number + 1} of {given.rounds}: {part}", flush=True)
+            _PARTS[part](figures)
+    results = {**_about(), "rounds": given.rounds, "figures": as_json(figures)}
+    print(tables(results))
+    is_whole = given.only is None and given.rounds >= _ROUNDS
+    path = RESULTS if is_whole else BUILD / "bench" / "results.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    print(f"\n{path.relative_to(ROOT)}")
+    if is_whole:
+        PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), results), encoding="utf-8")
+        for name, drawn in pictures(from_json(results["figures"])).items():
+            (PICTURES / name).write_text(drawn, encoding="utf-8")
+
+
+def _about() -> dict[str, Any]:
+    model = [line for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines() if "model name" in line]
+    processor = model[0].partition(":")[2].strip() if model else platform.machine()
+    return {
+        "date": str(dt.datetime.now(dt.UTC).date()),
+        "machine": {
+            "processor": processor,
+            "cores": f"{os.cpu_count()} cores",
+            "kernel": "Linux " + ".".join(platform.release().split(".")[:2]),
+        },
+        "versions": {
+            "Python": platform.python_version(),
+            **{name: version(name) for name in ("giraff", "eclipse-zenoh", "msgspec")},
+        },
+    }
+
+
+if __name__ == "__main__":
+    main()

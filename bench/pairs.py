@@ -1,0 +1,154 @@
+"""Pairs of processes, one of each stack: how soon samples come, what they cost, how many go, how soon it begins."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+from bench.figures import Figures
+from bench.meter import usage
+from bench.stacks import STACKS, payload_size
+from giraff_cli.network.ports import free_port
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import session_config
+from giraff_sim.board import ROOT
+from giraff_sim.bodies.wheels.known import KNOWN
+
+_SERVICE: Final = {"out": "odometry", "back": "motion"}
+"""By the side of a pair, the service whose name it has: one of the robot's own."""
+_STARTS: Final = 3
+"""Of each stack in a round."""
+_PATIENCE: Final = 30.0  # s
+
+
+class Worker:
+    """One process of a pair, at its command socket."""
+
+    def __init__(self, connection: socket.socket, pid: int) -> None:
+        self.pid = pid
+        self._lines = connection.makefile("rw")
+
+    def __call__(self, do: str, **more: object) -> dict[str, Any]:
+        self._lines.write(json.dumps({"do": do, **more}) + "\n")
+        self._lines.flush()
+        answer: dict[str, Any] = json.loads(self._lines.readline())
+        return answer
+
+
+class RunningPair:
+    """Both ends of a stack, and how long they took to the first sample."""
+
+    def __init__(self, end: ExitStack, stack: str, commands: Mapping[str, Sequence[str]], size: int) -> None:
+        """`commands`: by side, what starts a worker, without its words."""
+        folder = Path(end.enter_context(TemporaryDirectory(prefix="bench")))
+        orders = end.enter_context(socket.socket(socket.AF_UNIX))
+        orders.bind(str(folder / "orders"))
+        orders.listen()
+        orders.settimeout(_PATIENCE)
+        port = free_port()
+        environments = {side: session_environment(folder, _SERVICE[side], port) for side in _SERVICE}
+        began = time.monotonic()
+        for side in ("back", "out"):
+            words = [*commands[side], "-m", "bench.worker", stack, side, str(folder / "orders"), str(size)]
+            with (folder / f"{side}.log").open("wb") as log:
+                process = subprocess.Popen(words, env=environments[side], cwd=ROOT, stderr=log)
+            end.callback(_kill, process)
+        found = {}
+        for _ in _SERVICE:
+            try:
+                connection, _ = orders.accept()
+            except TimeoutError:
+                logs = "".join(path.read_text(encoding="utf-8")[-2000:] for path in folder.glob("*.log"))
+                raise RuntimeError(f"{stack} did not start within {_PATIENCE:g} s; it said:\n{logs}") from None
+            end.enter_context(connection)
+            side, pid = connection.makefile().readline().split()
+            found[side] = Worker(connection, int(pid))
+        self.out, self.back = found["out"], found["back"]
+        until = began + _PATIENCE
+        while not (first := self.back("first")["at"]) and time.monotonic() < until:
+            time.sleep(0.01)
+        if not first:
+            raise RuntimeError(f"{stack}: no sample came within {_PATIENCE:g} s")
+        self.first = first - began
+        """s from the start of both processes to the first sample."""
+        self.out("idle")  # ends its first samples
+
+
+def measure(figures: Figures, stacks: Sequence[str] = tuple(STACKS)) -> None:
+    """One round of all; each measurement of one stack is followed by that of the next."""
+    size = payload_size()
+    for _ in range(_STARTS):
+        for stack in stacks:
+            with _running(stack, size) as pair:
+                figures.add("cold start", stack, pair.first * 1e3)
+    with ExitStack() as end:
+        pairs = {stack: end.enter_context(_running(stack, size)) for stack in stacks}
+        time.sleep(0.5)  # until each has come to rest
+        for rate, count in ((100, 200), (1000, 2000)):
+            for stack, pair in pairs.items():
+                _one_way(figures, stack, pair, rate, count)
+        for stack, pair in pairs.items():
+            figures.add("memory", stack, usage(pair.back.pid).rss)  # before it keeps the times of a burst
+            _start(pair, returns=True)
+            pair.out("round_trips", count=1000)
+            figures.add("round trip p50", stack, pair.out("result")["p50"])
+        for stack, pair in pairs.items():
+            _start(pair, returns=False)
+            sent = pair.out("burst", seconds=0.7)
+            heard = pair.back("result")
+            figures.add("burst", stack, heard["count"] / heard["seconds"])
+            figures.add("burst lost", stack, sent["sent"] - heard["count"])
+
+
+def _one_way(figures: Figures, stack: str, pair: RunningPair, rate: int, count: int) -> None:
+    _start(pair, returns=False)
+    before = pair.back("worked")["worked"]
+    sent = pair.out("pace", rate=rate, count=count)
+    worked = pair.back("worked")["worked"] - before
+    result = pair.back("result")
+    figures.add(f"one way {rate} Hz p50", stack, result["p50"])
+    figures.add(f"one way {rate} Hz p90", stack, result["p90"])
+    figures.add(f"publisher {rate} Hz", stack, sent["worked"] / count * 1e6)
+    figures.add(f"subscriber {rate} Hz", stack, worked / count * 1e6)
+
+
+def _start(pair: RunningPair, *, returns: bool) -> None:
+    pair.back("start", returns=returns)
+    pair.out("start", returns=False)
+
+
+@contextmanager
+def _running(stack: str, size: int) -> Iterator[RunningPair]:
+    ours = [sys.executable, "-P"]
+    with ExitStack() as end:
+        yield RunningPair(end, stack, {"out": ours, "back": ours}, size)
+
+
+def session_environment(folder: Path, service: str, port: int) -> dict[str, str]:
+    """What a service of the robot's own is given, on a network of its own; for bare Zenoh the same as its JSON."""
+    given = {
+        "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
+        "GIRAFF_ROBOT_NAME": "bench",
+        "GIRAFF_NETWORK_LOCAL": "true",
+        "GIRAFF_NETWORK_SOCKETS": str(folder),
+        "GIRAFF_NETWORK_RENDEZVOUS": f"127.0.0.1:{port}",
+    }
+    network = NetworkConfig(local=True, sockets=str(folder), rendezvous=f"127.0.0.1:{port}")
+    session = json.dumps(session_config(network, "bench", "inside", name=service))
+    ours = {name: value for name, value in os.environ.items() if not name.startswith(("GIRAFF_", "PYTHON"))}
+    python = {"PYTHONPATH": str(ROOT)}
+    return ours | KNOWN | given | python | {"BENCH_SERVICE": service, "BENCH_SESSION": session}
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.wait()
