@@ -45,7 +45,7 @@ mutants: setup ## Each safety rule broken, its test must fail, e.g. make mutants
 test-timing: setup ## What the wall clock judges, by hand, on a quiet machine; ARGS=tests/timing/long for the longest
 	@tests/timing/run $(ARGS)
 
-bench: setup ## What services cost beside bare Zenoh, 8 minutes on a quiet machine; ARGS="--rounds 1 --only pairs"
+bench: setup ## What services cost beside bare Zenoh, 5 minutes on a quiet machine; ARGS="--rounds 1 --only pairs"
 	@$(VENV)/python -m bench $(ARGS)
 
 test-hosts: setup ## docker-compose up on three hosts of this machine, as root; cables cut, power lost

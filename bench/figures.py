@@ -19,6 +19,7 @@ STACK_FIGURES: Final = {
     "burst": "burst that waits, delivered a second",
     "burst lost": "burst that waits, lost",
     "memory": "memory of the subscriber, RSS, MiB",
+    "memory beside": "memory of a master or daemon beside, RSS, MiB",
     "cold start": "start of both processes to the first sample, ms",
     "serial p50": "serial bytes to frame at 100 Hz, p50, µs",
     "serial processor": "processor time a serial frame at 100 Hz, µs",

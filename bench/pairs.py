@@ -2,31 +2,37 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
+import psutil
+
+from bench import peers
 from bench.figures import Figures
 from bench.meter import usage
-from bench.stacks import STACKS, payload_size
+from bench.stacks import payload_size
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import session_config
-from giraff_sim.board import ROOT
+from giraff_sim.board import BUILD, ROOT
 from giraff_sim.bodies.wheels.known import KNOWN
 
 _SERVICE: Final = {"out": "odometry", "back": "motion"}
 """By the side of a pair, the service whose name it has: one of the robot's own."""
 _STARTS: Final = 3
 """Of each stack in a round."""
+_MIB: Final = 1 << 20
 _PATIENCE: Final = 30.0  # s
 
 
@@ -47,21 +53,21 @@ class Worker:
 class RunningPair:
     """Both ends of a stack, and how long they took to the first sample."""
 
-    def __init__(self, end: ExitStack, stack: str, commands: Mapping[str, Sequence[str]], size: int) -> None:
-        """`commands`: by side, what starts a worker, without its words."""
+    def __init__(self, end: ExitStack, stack: str, interpreter: str, size: int) -> None:
         folder = Path(end.enter_context(TemporaryDirectory(prefix="bench")))
         orders = end.enter_context(socket.socket(socket.AF_UNIX))
         orders.bind(str(folder / "orders"))
         orders.listen()
         orders.settimeout(_PATIENCE)
         port = free_port()
-        environments = {side: session_environment(folder, _SERVICE[side], port) for side in _SERVICE}
+        environment = {side: session_environment(folder, service, port) for side, service in _SERVICE.items()}
+        words = [interpreter, "-P", "-m", "bench.worker", stack]
+        commands = {side: [*words, side, str(folder / "orders"), str(size)] for side in _SERVICE}
         began = time.monotonic()
-        for side in ("back", "out"):
-            words = [*commands[side], "-m", "bench.worker", stack, side, str(folder / "orders"), str(size)]
-            with (folder / f"{side}.log").open("wb") as log:
-                process = subprocess.Popen(words, env=environments[side], cwd=ROOT, stderr=log)
+        self._started = []
+        for process in peers.start(stack, commands, environment, folder):
             end.callback(_kill, process)
+            self._started.append(process.pid)
         found = {}
         for _ in _SERVICE:
             try:
@@ -82,22 +88,31 @@ class RunningPair:
         """s from the start of both processes to the first sample."""
         self.out("idle")  # ends its first samples
 
+    def memory_beside(self) -> float:
+        """Return the MiB of a master or a daemon."""
+        family = {each for pid in self._started for each in _family(pid)}
+        return (
+            float(sum(each.memory_info().rss for each in family if each.pid not in {self.out.pid, self.back.pid}))
+            / _MIB
+        )
 
-def measure(figures: Figures, stacks: Sequence[str] = tuple(STACKS)) -> None:
+
+def measure(figures: Figures) -> None:
     """One round of all; each measurement of one stack is followed by that of the next."""
-    size = payload_size()
+    size, stacks = payload_size(), _interpreters()
     for _ in range(_STARTS):
-        for stack in stacks:
-            with _running(stack, size) as pair:
+        for stack, interpreter in stacks.items():
+            with _running(stack, interpreter, size) as pair:
                 figures.add("cold start", stack, pair.first * 1e3)
     with ExitStack() as end:
-        pairs = {stack: end.enter_context(_running(stack, size)) for stack in stacks}
+        pairs = {stack: end.enter_context(_running(stack, interpreter, size)) for stack, interpreter in stacks.items()}
         time.sleep(0.5)  # until each has come to rest
         for rate, count in ((100, 200), (1000, 2000)):
             for stack, pair in pairs.items():
                 _one_way(figures, stack, pair, rate, count)
         for stack, pair in pairs.items():
             figures.add("memory", stack, usage(pair.back.pid).rss)  # before it keeps the times of a burst
+            figures.add("memory beside", stack, pair.memory_beside())
             _start(pair, returns=True)
             pair.out("round_trips", count=1000)
             figures.add("round trip p50", stack, pair.out("result")["p50"])
@@ -107,6 +122,13 @@ def measure(figures: Figures, stacks: Sequence[str] = tuple(STACKS)) -> None:
             heard = pair.back("result")
             figures.add("burst", stack, heard["count"] / heard["seconds"])
             figures.add("burst lost", stack, sent["sent"] - heard["count"])
+
+
+@cache
+def _interpreters() -> dict[str, str]:
+    """Of each stack that is compared."""
+    others = peers.interpreters(BUILD / "bench") if os.environ.get("PEERS") else {}
+    return dict.fromkeys(("raw", "floor", "node"), sys.executable) | others
 
 
 def _one_way(figures: Figures, stack: str, pair: RunningPair, rate: int, count: int) -> None:
@@ -127,28 +149,42 @@ def _start(pair: RunningPair, *, returns: bool) -> None:
 
 
 @contextmanager
-def _running(stack: str, size: int) -> Iterator[RunningPair]:
-    ours = [sys.executable, "-P"]
+def _running(stack: str, interpreter: str, size: int) -> Iterator[RunningPair]:
     with ExitStack() as end:
-        yield RunningPair(end, stack, {"out": ours, "back": ours}, size)
+        yield RunningPair(end, stack, interpreter, size)
 
 
 def session_environment(folder: Path, service: str, port: int) -> dict[str, str]:
     """What a service of the robot's own is given, on a network of its own; for bare Zenoh the same as its JSON."""
-    given = {
+    rendezvous = f"127.0.0.1:{port}"
+    network = NetworkConfig(local=True, sockets=str(folder), rendezvous=rendezvous)
+    given = {name: value for name, value in os.environ.items() if not name.startswith(("GIRAFF_", "PYTHON"))}
+    return {
+        **given,
+        **KNOWN,
         "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
         "GIRAFF_ROBOT_NAME": "bench",
         "GIRAFF_NETWORK_LOCAL": "true",
         "GIRAFF_NETWORK_SOCKETS": str(folder),
-        "GIRAFF_NETWORK_RENDEZVOUS": f"127.0.0.1:{port}",
+        "GIRAFF_NETWORK_RENDEZVOUS": rendezvous,
+        "PYTHONPATH": str(ROOT),
+        "BENCH_SERVICE": service,
+        "BENCH_SESSION": json.dumps(session_config(network, "bench", "inside", name=service)),
+        "BENCH_PAIR": str(port),
+        "ROS_MASTER_URI": f"http://{rendezvous}",
+        "ROS_IP": "127.0.0.1",
+        "ROS_HOME": str(folder),
     }
-    network = NetworkConfig(local=True, sockets=str(folder), rendezvous=f"127.0.0.1:{port}")
-    session = json.dumps(session_config(network, "bench", "inside", name=service))
-    ours = {name: value for name, value in os.environ.items() if not name.startswith(("GIRAFF_", "PYTHON"))}
-    python = {"PYTHONPATH": str(ROOT)}
-    return ours | KNOWN | given | python | {"BENCH_SERVICE": service, "BENCH_SESSION": session}
+
+
+def _family(pid: int) -> list[psutil.Process]:
+    """Return a process and all below it: a master starts some in sessions of their own."""
+    process = psutil.Process(pid)
+    return [process, *process.children(recursive=True)]
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
+    for each in _family(process.pid):
+        with contextlib.suppress(psutil.NoSuchProcess):
+            each.kill()
     process.wait()

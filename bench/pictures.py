@@ -9,10 +9,8 @@ from typing import Final
 from bench.figures import BARE, MEASURED, Figures
 
 _WIDTH, _LEFT, _RIGHT, _TOP, _BAR, _GAP = 760, 190, 70, 62, 15, 14
-_STYLE: Final = """text { font: 13px sans-serif; fill: #24292f } .title { font-weight: bold; font-size: 15px }
-.c0 { fill: #8c959f } .c1 { fill: #bf8700 } .c2 { fill: #0969da }
-@media (prefers-color-scheme: dark) { text { fill: #d0d7de }
-.c0 { fill: #6e7681 } .c1 { fill: #d29922 } .c2 { fill: #58a6ff } }"""
+_STYLE: Final = """text { font: 13px sans-serif; fill: #768390 } .title { font-weight: bold; font-size: 15px }
+.c0 { fill: #8c959f } .c1 { fill: #bf8700 } .c2 { fill: #2f81f7 }"""
 
 Group = tuple[str, Sequence[float]]
 """What its bars are of, and a value for each series."""

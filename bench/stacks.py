@@ -41,7 +41,14 @@ class Stack(Protocol):
         ...
 
 
-class Raw:
+class Waiting:
+    """A stack whose callbacks come in threads of its own."""
+
+    def run(self, ended: threading.Event, /) -> None:
+        ended.wait()
+
+
+class Raw(Waiting):
     """Zenoh alone: `put` of bytes and the default callback. It decodes nothing but moment and number."""
 
     def __init__(self, size: int) -> None:
@@ -65,9 +72,6 @@ class Raw:
             callback(number, moment)
 
         self._declared.append(self._session.declare_subscriber(f"giraff/bench/{key}", on_sample))
-
-    def run(self, ended: threading.Event) -> None:
-        ended.wait()
 
     def _put(self, key: str, *, blocks: bool) -> Callable[[bytes], None]:
         """With the priority that a Node gives to odometry."""
