@@ -1,4 +1,4 @@
-"""What a run has measured: by figure and subject, a value of each round; and what must hold. No I/O here."""
+"""What a run has measured: by figure and subject, all values in order; and what must hold. No I/O here."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class Figures:
         return median(self.values[figure][subject])
 
     def ratio(self, figure: str, subject: str) -> float | None:
-        """Return the median over rounds of each round's ratio to raw; None: there is none."""
+        """Return the median of the ratios to raw of the same moment; None: there is none."""
         subjects = self.values[figure]
         if not all(subjects.get("raw", ())) or "raw" not in subjects:
             return None
@@ -104,10 +104,10 @@ class Figures:
 
 
 def as_json(figures: Figures) -> dict[str, Any]:
-    """Return medians and rounds, as `from_json` reads them."""
+    """Return medians and all values, as `from_json` reads them."""
     return {
         figure: {
-            subject: {"median": _rounded(median(rounds)), "rounds": [*map(_rounded, rounds)]}
+            subject: {"median": _rounded(median(rounds)), "values": [*map(_rounded, rounds)]}
             for subject, rounds in subjects.items()
         }
         for figure, subjects in figures.values.items()
@@ -115,7 +115,7 @@ def as_json(figures: Figures) -> dict[str, Any]:
 
 
 def from_json(found: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> Figures:
-    return Figures({figure: {who: row["rounds"] for who, row in rows.items()} for figure, rows in found.items()})
+    return Figures({figure: {who: row["values"] for who, row in rows.items()} for figure, rows in found.items()})
 
 
 def _rounded(value: float) -> float:

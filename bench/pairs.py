@@ -32,6 +32,8 @@ _SERVICE: Final = {"out": "odometry", "back": "motion"}
 """By the side of a pair, the service whose name it has: one of the robot's own."""
 _STARTS: Final = 3
 """Of each stack in a round."""
+_TURNS: Final = 3
+"""Of each stack at each measurement in a round: what else this machine does then falls on all alike."""
 _MIB: Final = 1 << 20
 _PATIENCE: Final = 30.0  # s
 
@@ -98,7 +100,7 @@ class RunningPair:
 
 
 def measure(figures: Figures) -> None:
-    """One round of all; each measurement of one stack is followed by that of the next."""
+    """One round of all; each short measurement of one stack is followed by that of the next."""
     size, stacks = payload_size(), _interpreters()
     for _ in range(_STARTS):
         for stack, interpreter in stacks.items():
@@ -107,21 +109,21 @@ def measure(figures: Figures) -> None:
     with ExitStack() as end:
         pairs = {stack: end.enter_context(_running(stack, interpreter, size)) for stack, interpreter in stacks.items()}
         time.sleep(0.5)  # until each has come to rest
-        for rate, count in ((100, 200), (1000, 2000)):
-            for stack, pair in pairs.items():
-                _one_way(figures, stack, pair, rate, count)
+        for turn in range(_TURNS):
+            order = [*pairs.items()][turn % len(pairs) :] + [*pairs.items()][: turn % len(pairs)]
+            for rate, count in ((100, 80), (1000, 800)):
+                for stack, pair in order:
+                    _one_way(figures, stack, pair, rate, count)
+            for stack, pair in order:
+                _start(pair, returns=True)
+                pair.out("round_trips", count=400)
+                figures.add("round trip p50", stack, pair.out("result")["p50"])
         for stack, pair in pairs.items():
             figures.add("memory", stack, usage(pair.back.pid).rss)  # before it keeps the times of a burst
             figures.add("memory beside", stack, pair.memory_beside())
-            _start(pair, returns=True)
-            pair.out("round_trips", count=1000)
-            figures.add("round trip p50", stack, pair.out("result")["p50"])
-        for stack, pair in pairs.items():
-            _start(pair, returns=False)
-            sent = pair.out("burst", seconds=0.7)
-            heard = pair.back("result")
-            figures.add("burst", stack, heard["count"] / heard["seconds"])
-            figures.add("burst lost", stack, sent["sent"] - heard["count"])
+        for _ in range(_TURNS):
+            for stack, pair in pairs.items():
+                _burst(figures, stack, pair)
 
 
 @cache
@@ -141,6 +143,14 @@ def _one_way(figures: Figures, stack: str, pair: RunningPair, rate: int, count: 
     figures.add(f"one way {rate} Hz p90", stack, result["p90"])
     figures.add(f"publisher {rate} Hz", stack, sent["worked"] / count * 1e6)
     figures.add(f"subscriber {rate} Hz", stack, worked / count * 1e6)
+
+
+def _burst(figures: Figures, stack: str, pair: RunningPair) -> None:
+    _start(pair, returns=False)
+    sent = pair.out("burst", seconds=0.3)
+    heard = pair.back("result")
+    figures.add("burst", stack, heard["count"] / heard["seconds"])
+    figures.add("burst lost", stack, sent["sent"] - heard["count"])
 
 
 def _start(pair: RunningPair, *, returns: bool) -> None:
