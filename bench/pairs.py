@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from pathlib import Path
@@ -110,20 +110,24 @@ def measure(figures: Figures) -> None:
         pairs = {stack: end.enter_context(_running(stack, interpreter, size)) for stack, interpreter in stacks.items()}
         time.sleep(0.5)  # until each has come to rest
         for turn in range(_TURNS):
-            order = [*pairs.items()][turn % len(pairs) :] + [*pairs.items()][: turn % len(pairs)]
-            for rate, count in ((100, 80), (1000, 800)):
-                for stack, pair in order:
-                    _one_way(figures, stack, pair, rate, count)
-            for stack, pair in order:
-                _start(pair, returns=True)
-                pair.out("round_trips", count=400)
-                figures.add("round trip p50", stack, pair.out("result")["p50"])
+            _ways(figures, [*pairs.items()][turn % len(pairs) :] + [*pairs.items()][: turn % len(pairs)])
         for stack, pair in pairs.items():
             figures.add("memory", stack, usage(pair.back.pid).rss)  # before it keeps the times of a burst
-            figures.add("memory beside", stack, pair.memory_beside())
+            if beside := pair.memory_beside():
+                figures.add("memory beside", stack, beside)
         for _ in range(_TURNS):
             for stack, pair in pairs.items():
                 _burst(figures, stack, pair)
+
+
+def _ways(figures: Figures, order: Sequence[tuple[str, RunningPair]]) -> None:
+    for rate, count in ((100, 80), (1000, 800)):
+        for stack, pair in order:
+            _one_way(figures, stack, pair, rate, count)
+    for stack, pair in order:
+        _start(pair, returns=True)
+        pair.out("round_trips", count=400)
+        figures.add("round trip p50", stack, pair.out("result")["p50"])
 
 
 @cache
