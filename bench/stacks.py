@@ -154,7 +154,7 @@ class Ours:
         """Nothing is left to say."""
 
     def run(self, _: threading.Event) -> None:
-        self._node.run(self)
+        self._node.run(self, prompt=True)
 
     def _row(self, key: str) -> Any:
         return self._topic(key, self._type, 100, "state")
