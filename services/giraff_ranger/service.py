@@ -42,14 +42,15 @@ class Ranger:
             elif isinstance(frame, BumperFrame):
                 for bump in policy.on_bumpers(frame, now):
                     self._bumps[bump.sensor].put(bump)
-        if frames and (request := policy.bumper_request(now)) is not None:
-            link.send(request)
+        if frames:
+            if (request := policy.bumper_request(now)) is not None:
+                link.send(request)
+            for name, fault in policy.faults.items():
+                self._io.set_fault(name, fault)
         for tick in self._clock.take():
             if (down := policy.on_tick(tick, now)) is not None:
                 link.send(down)
         self._io.set_fault("board", link.fault)
-        for name, fault in policy.faults.items():
-            self._io.set_fault(name, fault)
 
     def end(self) -> None:
         """Nothing is left to say: silence is what the guard judges."""
