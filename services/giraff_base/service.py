@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from giraff_base.config import BaseConfig
 from giraff_base.estop_server import EStopServer
 from giraff_base.policy import BasePolicy
@@ -13,6 +15,9 @@ from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
 from giraff_schemas.trouble import WELL
+
+_TAKEN_ALONG: Final = 0.25 / TICK.rate_hz
+"""s. A report of the board takes a tick along that is due so soon: each wakes all who hear of it, and so do both."""
 
 
 class Base:
@@ -39,9 +44,9 @@ class Base:
 
     def turn(self, now: float) -> None:
         policy, link = self._policy, self.link
-        if is_due := self._tick_timer.due(now):
-            self._ticks.put(Tick(epoch=self._epoch, robot_ns=self._io.robot_ns()))
         frames = link.poll(now)
+        if is_due := self._tick_timer.due(now, _TAKEN_ALONG if frames else 0.0):
+            self._ticks.put(Tick(epoch=self._epoch, robot_ns=self._io.robot_ns()))
         if link.opened != self._opened:
             self._opened = link.opened
             policy.on_link_opened(session=self._io.token())

@@ -18,12 +18,17 @@ class Timer:
         self.period = 1.0 / rate_hz
         self._next: float | None = None
 
-    def due(self, now: float) -> bool:
-        """Whether a turn is due at `now` (s, any monotonic clock); the schedule then moves on past `now`."""
+    def due(self, now: float, early: float = 0.0) -> bool:
+        """Return whether a turn is due at `now` (s, any monotonic clock); the schedule then moves on past `now`.
+
+        `early`: s. A turn for another cause takes this one along where it would come so soon. The schedule goes on from
+        there, so that it keeps step with what comes at a multiple of its rate.
+        """
         if self._next is None:
             self._next = now
-        if now < self._next:
+        if now < self._next - early:
             return False
+        self._next = min(self._next, now)
         self._next += self.period
         if self._next <= now:
             self._next = now + self.period
@@ -50,12 +55,12 @@ class PromptTimer(Timer):
         """Have a turn come now, or `LEAST_GAP` after the last one for this cause."""
         self._early_at.setdefault(cause, max(now, self._last.get(cause, -math.inf) + LEAST_GAP))
 
-    def due(self, now: float) -> bool:
-        early = [cause for cause, at in self._early_at.items() if at <= now]
-        if not (early or super().due(now)):
+    def due(self, now: float, early: float = 0.0) -> bool:
+        causes = [cause for cause, at in self._early_at.items() if at <= now]
+        if not (causes or super().due(now, early)):
             return False
-        if early:
-            self._last.update(dict.fromkeys(early, now))
+        if causes:
+            self._last.update(dict.fromkeys(causes, now))
             self._next = now + _PATIENCE * self.period
         self._early_at.clear()  # a turn takes all that has come, whoever asked for it
         return True

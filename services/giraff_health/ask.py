@@ -6,7 +6,6 @@ check, which must cost less, is wait.sh.
 
 from __future__ import annotations
 
-import json
 import os
 import socket
 import sys
@@ -67,6 +66,8 @@ def main(arguments: list[str]) -> int:
 
 
 def _unwell(service: str, answer: bytes) -> int:
+    import json  # noqa: PLC0415  each service imports this module for the path alone
+
     try:
         faults = [str(fault) for fault in json.loads(answer)["faults"]]
     except (ValueError, KeyError, TypeError, RecursionError):

@@ -28,17 +28,17 @@ from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.config.settings import Settings
 from giraff_node.network.base_reach import BaseReach, WrongRobotCheck
-from giraff_node.network.decode_errors import DecodeErrors
 from giraff_node.network.host_addresses import AddressWatch, host_addresses, placed_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
 from giraff_node.network.link_repair import LinkRepair
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.router_link import RouterLink
 from giraff_node.network.session import NobodyError, Role, open_session
+from giraff_node.network.subscription import PolledInbox, Reader
 from giraff_node.process.clock import robot_now_ns
 from giraff_node.process.lifecycle import Process
 from giraff_node.process.state import Folder, state_directory
-from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
+from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health, WebPage
 from giraff_schemas.params import ParamAnswer
@@ -216,35 +216,36 @@ class Node(Generic[ConfigT]):
 
     def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:
         """Each sample of a topic, or the newest with a `limit` of 1; its arrival makes a turn due, if it `wakes`."""
+        if not wakes:
+            polled = PolledInbox(limit, self._reader(topic))
+            polled.subscriber = self.session.declare_subscriber(key_of(self.robot.name, topic), polled.ring)
+            return polled
         inbox: Inbox[SampleT] = Inbox(limit)
 
         def take_and_wake(sample: SampleT) -> None:
             inbox.accept(sample)
             self._process.wake()
 
-        self.subscribe(topic, take_and_wake if wakes else inbox.accept)
+        self.subscribe(topic, take_and_wake)
         return inbox
 
     def subscribe(self, topic: Topic[SampleT], callback: Callable[[SampleT], None]) -> None:
         """Call `callback` with each sample, in Zenoh's thread: it must be quick. If it raises, the process ends."""
-        pattern = key_of(self.robot.name, topic)
-        bad_keys = DecodeErrors(pattern, self.set_notice)
+        read = self._reader(topic).read
 
         def on_sample(received: zenoh.Sample) -> None:
-            key = str(received.key_expr)
-            try:
-                sample = decode(topic, key, bytes(received.payload), str(received.encoding))
-            except DecodeError as error:
-                bad_keys.bad(key, str(error), time.monotonic())
+            if (sample := read(received)) is None:
                 return
-            bad_keys.good(key, time.monotonic())
             try:
                 callback(sample)
             except Exception as error:  # noqa: BLE001  Zenoh would print and forget it; here it ends the process
                 self.fail(error)
 
+        self._declared.append(self.session.declare_subscriber(key_of(self.robot.name, topic), on_sample))
+
+    def _reader(self, topic: Topic[SampleT]) -> Reader[SampleT]:
         self._process.condition.subscribes.append(topic.key)
-        self._declared.append(self.session.declare_subscriber(pattern, on_sample))
+        return Reader(topic, key_of(self.robot.name, topic), self.set_notice)
 
     def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[PendingQuery[RequestT, AnswerT]]:
         """What is asked of this service, for its turns to answer; its arrival makes one due."""

@@ -24,7 +24,7 @@ from giraff_node.process.systemd import Notifier
 from giraff_node.process.watchdog import Watchdog, disarm
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
-_LOOK_PERIOD: Final = 0.1  # s between two looks at what is no part of a turn
+_LOOK_PERIOD: Final = 0.2  # s between two looks at what is no part of a turn
 
 
 class FramedLink(Selectable, Paced, Protocol):
@@ -84,7 +84,7 @@ class Process:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or somebody called `wake`.
 
         `boards`: whose frames make a turn due, and not each of their bytes; `link` may be one of them.
-        `look` is given the time ten times a second, and after `wake_loop`, before health is told.
+        `look` is given the time five times a second, and after `wake_loop`, before health is told.
         `prompt` is given the time of a turn that `wake` makes itself, in its caller's thread: turns never overlap. It
         must be short. None: each turn is yielded.
         Raises what `fail` was given.

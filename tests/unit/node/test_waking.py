@@ -54,14 +54,13 @@ def test_the_loop_knows_which_link_is_a_board() -> None:
     assert node.process.watched == (timer, link, link)
 
 
-@pytest.mark.parametrize("wakes", [True, False])
-def test_a_sample_makes_one_due_if_its_inbox_wakes_and_is_there_in_any_case(wakes: bool) -> None:
+def test_a_sample_makes_one_due_and_is_there() -> None:
     node = FakeNode()
-    inbox = node.inbox(TICK, wakes=wakes)
+    inbox = node.inbox(TICK)
     tick = Tick(epoch=1, robot_ns=2)
     for callback in node.callbacks:
         callback(tick)
-    assert node.process.wakes == wakes
+    assert node.process.wakes == 1
     assert list(inbox.take()) == [tick]
 
 
