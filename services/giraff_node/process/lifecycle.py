@@ -185,7 +185,7 @@ class Process:
 
     def _wait(self, now: float) -> float:
         """Return the seconds until a timer is due."""
-        return min((timer.wait(now) for timer in self._timers), default=_LONGEST_WAIT)
+        return min([timer.wait(now) for timer in self._timers], default=_LONGEST_WAIT)
 
     def _wait_for(self, watched: tuple[Selectable, ...], now: float, seconds: float) -> set[Selectable]:
         """Wait without the lock; return what is readable."""
@@ -208,8 +208,10 @@ class Process:
             prompt(now)
         except BaseException as error:  # noqa: BLE001  the loop raises it
             self.fail(error)
-        if now + self._wait(now) < self._waits_until:
-            self._waker.wake()
+        for timer in self._timers:
+            if now + timer.wait(now) < self._waits_until:
+                self._waker.wake()
+                break
 
     def _tell_how_it_is(self, now: float, *, asked: bool) -> None:
         """To this machine's healthchecks, if they have asked, and to systemd: from the loop, so a hung one is seen."""
