@@ -17,7 +17,7 @@ from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, E
 from giraff_schemas.trouble import WELL
 
 _TAKEN_ALONG: Final = 0.25 / TICK.rate_hz
-"""s. A report of the board takes a tick along that is due so soon: each wakes all who hear of it, and so do both."""
+"""s. A tick that is due within this time goes out with the board's report. One wake then serves both."""
 
 
 class Base:

@@ -184,7 +184,10 @@ class Service(Protocol):
         ...
 
     def turn(self, now: float) -> None:
-        """All that is to be done now. `now`: monotonic, s."""
+        """Do all that is due. `now`: monotonic, s.
+
+        It may run in a thread of Zenoh. Turns never overlap. A turn must be short: samples wait for its end.
+        """
         ...
 
     def end(self) -> None:

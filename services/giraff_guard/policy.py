@@ -91,7 +91,7 @@ class GuardPolicy:
     def decide(self, robot_ns: int, heard: tuple[int, ...] = ()) -> GuardedCommand:
         """Return what to let through now. `heard`: the numbers of what was heard, by `HEARD`.
 
-        `state` and `lease` tell more of it, to those who have to be told: that is seldom.
+        `state` and `lease` describe this decision. They are called only when somebody must be told.
         """
         now = self._identity.now(robot_ns)
         authority = self._authority
@@ -124,7 +124,7 @@ class GuardPolicy:
         )
 
     def state(self) -> GuardState:
-        """Return the verdict for each direction, as of the newest decision; nothing may be taken since."""
+        """Return the verdict for each direction, as of the newest decision. Call it before the next sample is taken."""
         verdicts, now = self._obstacles.verdicts, self._identity.now(self._decided_ns)
         sensors = self._obstacles.troubles(now) | self._identity.sensor_faults(self._decided_ns)
         return GuardState(

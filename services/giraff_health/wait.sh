@@ -8,7 +8,7 @@
 
 asked=$RUNTIME_DIRECTORY/asked
 looks=1
-# Not the same for each container: checks of one moment would drift apart.
+# Not the same in each container, so that checks that began together do not end together.
 [ -e "$asked" ] && looks=$((28 + $$ % 8))
 
 while [ $looks -gt 0 ]; do

@@ -175,6 +175,7 @@ def _needed(base: BoardType, implementation: Implementation) -> tuple[str, ...]:
 
 def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool) -> dict[str, str]:
     environment = dict(given)
+    environment.pop("WATCHDOG_USEC", None)  # nobody starts a service again that it ends
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
         environment["GIRAFF_CONFIG"] = str(here if here.is_file() else ROOT / "deploy" / "robot.toml")

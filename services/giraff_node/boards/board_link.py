@@ -15,7 +15,7 @@ HELLO_PERIOD = 0.25  # s between two requests while none was answered
 SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
 _SILENT: Final = Trouble(f"silent for {SILENCE:g} s", "check the board's power and cable")
 _READS_AGAIN: Final = 0.02
-"""s from `ready` until `poll` reads by itself: a loop that asks `ready` does so for each byte that comes."""
+"""s. `poll` reads the port by itself only where nobody has called `ready` for so long."""
 _BITS: Final = 10  # of a byte on the line, with its start and its stop
 
 
@@ -85,7 +85,7 @@ class BoardLink:
         return bool(self._frames) or self.opened != opened or self._serial.descriptor() is None
 
     def poll(self, now: float) -> list[Frame]:
-        """Keep the port open and return the frames that have arrived. `now`: monotonic, s."""
+        """Return the frames that have arrived, and keep the port open where `ready` does not. `now`: monotonic, s."""
         arrived = [] if now - self._readied < _READS_AGAIN else self._receive(now)
         frames, self._frames = self._frames + arrived, []
         return frames

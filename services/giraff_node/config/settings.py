@@ -1,4 +1,4 @@
-"""What a service goes by: its own table of the robot file, and those that all share."""
+"""The tables of the robot file that a service reads."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from giraff_node.config.robot_file import read_known
 
 
 class Settings(NamedTuple, Generic[ConfigT]):
-    """What a service goes by."""
+    """A service's own table, and those that all services share."""
 
     config: ConfigT
     """Its own table."""
@@ -20,6 +20,6 @@ class Settings(NamedTuple, Generic[ConfigT]):
 
     @classmethod
     def load(cls, service: str, config: type[ConfigT]) -> Settings[ConfigT]:
-        """From robot file and environment. Raises ConfigError."""
+        """Read them from robot file and environment. Raises ConfigError."""
         table = read_known().table
         return cls(table(service, config), table("robot", RobotConfig), table("network", NetworkConfig))

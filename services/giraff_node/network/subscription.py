@@ -27,7 +27,7 @@ class Reader(Generic[SampleT]):
         self._bad_keys = DecodeErrors(pattern, tell)
 
     def read(self, received: zenoh.Sample) -> SampleT | None:
-        """Return the sample; None where there is none to read, which is then told."""
+        """Return the sample. Return None where the payload cannot be read, and tell of it."""
         key = str(received.key_expr)
         try:
             sample = decode(self._topic, key, bytes(received.payload), str(received.encoding))
@@ -39,9 +39,9 @@ class Reader(Generic[SampleT]):
 
 
 class PolledInbox(Inbox[SampleT]):
-    """Samples that wake nobody: they wait in Zenoh's own ring until a turn takes them, and are read there.
+    """Samples that make no turn due. They wait undecoded in a ring of Zenoh until a turn takes them.
 
-    So they cost no thread, and no change of threads each.
+    No thread of Python wakes for them.
     """
 
     def __init__(self, limit: int, reader: Reader[SampleT]) -> None:

@@ -109,18 +109,19 @@ class Process:
                     self._waker.drain()
                 if self._failure is not None:
                     raise self._failure
-                spoken = [board.ready(now) for board in boards if board in readable or board.wait(now) <= 0.0]
+                awake = [board for board in boards if board in readable or board.wait(now) <= 0.0]
+                spoken = [board for board in awake if board.ready(now)]  # each is asked, and reads its port
                 # A turn that was made meanwhile has put off the next one.
-                is_due = any(spoken) or readable - own or any(timer.wait(now) <= 0.0 for timer in timers)
-                is_due = is_due or self._asked or (wait == _LONGEST_WAIT and not readable)
-                if is_due and not self._stopping:
+                timed = any(timer.wait(now) <= 0.0 for timer in timers)
+                idle = not readable and wait >= _LONGEST_WAIT
+                if (self._asked or spoken or readable - own or timed or idle) and not self._stopping:
                     self._asked = False
                     yield now
 
     def wake(self) -> None:
-        """Make a turn due, from any thread. Where the loop waits and turns are prompt, the turn is made here and now.
+        """Make a turn due, from any thread. Where the loop waits and turns are prompt, make it here and now.
 
-        The way over the loop costs a second change of threads, which is a quarter of a sample's way between processes.
+        A turn by the loop costs a second change of threads: a quarter of a sample's time between two processes.
         """
         self._asked = True
         if self._prompt is None:
@@ -134,7 +135,7 @@ class Process:
                 self._turning.release()
 
     def wake_loop(self) -> None:
-        """Have the loop look, from any thread."""
+        """Make the loop call its `look` at once, from any thread."""
         self._next_look = 0.0
         self._waker.wake()
 

@@ -14,7 +14,7 @@ _ARMED_ANEW: Final = 3
 
 
 def watchdog_period(environment: Mapping[str, str] = os.environ) -> float | None:
-    """Return the s without a turn after which whoever started this process wants it ended; None: it may hang."""
+    """Return the time (s) without a turn after which this process must end. None: it may hang."""
     if environment.get("WATCHDOG_PID", str(os.getpid())) != str(os.getpid()):
         return None
     with contextlib.suppress(ValueError):

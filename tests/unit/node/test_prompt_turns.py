@@ -78,6 +78,42 @@ def test_a_sample_that_comes_during_a_turn_has_the_next_one_at_once(
     assert turning.made[:3] == (["loop", "sample", "sample"] if maker == "sample" else ["loop", "loop", "sample"])
 
 
+class ContestedLock:
+    """The lock of the turns. Another thread's sample comes while the loop waits for it."""
+
+    def __init__(self, process: Process) -> None:
+        self._process = process
+        self._is_held = False
+
+    def acquire(self, blocking: bool = True) -> bool:
+        if blocking:
+            self._process.wake()
+        if self._is_held:
+            assert not blocking
+            return False
+        self._is_held = True
+        return True
+
+    def release(self) -> None:
+        self._is_held = False
+
+    def __enter__(self) -> None:
+        self._is_held = True
+
+    def __exit__(self, *_: object) -> None:
+        self._is_held = False
+
+
+def test_a_loop_that_waits_for_the_lock_has_it_before_a_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Samples without end would keep it out, and its watchdog would end the process."""
+    with turning_process() as process:
+        turning = Turning(process, monkeypatch)
+        monkeypatch.setattr(process, "_turning", ContestedLock(process))
+        turning.run()
+    assert turning.made[0] == "loop"
+    assert "sample" not in turning.made
+
+
 def test_a_turn_that_makes_the_next_one_due_sooner_wakes_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     with turning_process() as process:
         turning = Turning(process, monkeypatch, process.wake)
