@@ -34,7 +34,6 @@ def encode(message: msgspec.Struct) -> bytes:
     return _encoder.encode(message)
 
 
-@cache
 def encoding_of(type_: type[msgspec.Struct]) -> str:
     """The encoding that travels with each sample: media type; schema."""
     return f"application/msgpack;giraff.{type_.__name__}"
