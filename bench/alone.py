@@ -125,9 +125,11 @@ def read(kind: str, path: str, out: Path) -> None:
         out.touch()
         worked = time.process_time()
         while len(waits) < _FRAMES:
-            wait_for((link,), min(link.wait(time.monotonic()), 0.1))
-            for frame in link.poll(time.monotonic()):
-                take(frame)
+            readable = wait_for((link,), min(link.wait(time.monotonic()), 0.1))
+            now = time.monotonic()
+            if (readable or link.wait(now) <= 0.0) and link.ready(now):
+                for frame in link.poll(now):
+                    take(frame)
     took = (time.process_time() - worked) / _FRAMES * 1e6
     out.write_text(json.dumps({"worked": took, **quantiles_us(waits)}), encoding="utf-8")
 
