@@ -133,7 +133,7 @@ def _ways(figures: Figures, order: Sequence[tuple[str, RunningPair]]) -> None:
 @cache
 def _interpreters() -> dict[str, str]:
     """Of each stack that is compared."""
-    others = peers.interpreters(BUILD / "bench") if os.environ.get("PEERS") else {}
+    others = peers.interpreters(BUILD / "bench") if os.environ.get("PEERS", "") not in ("", "0") else {}
     return dict.fromkeys(("raw", "floor", "node"), sys.executable) | others
 
 
