@@ -9,11 +9,11 @@ from typing import Final
 from bench.figures import BARE, MEASURED, Figures
 
 _WIDTH, _LEFT, _RIGHT, _TOP, _BAR, _GAP = 760, 190, 70, 62, 15, 14
-_STYLE: Final = """text { font: 13px sans-serif; fill: #768390 } .title { font-weight: bold; font-size: 15px }
+_STYLE: Final = """text { font: 13px sans-serif; fill: #6e7781 } .title { font-weight: bold; font-size: 15px }
 .c0 { fill: #8c959f } .c1 { fill: #bf8700 } .c2 { fill: #2f81f7 }"""
 
 Group = tuple[str, Sequence[float]]
-"""What its bars are of, and a value for each series."""
+"""Name of a group of bars, and a value for each series."""
 
 
 def pictures(figures: Figures) -> dict[str, str]:
@@ -33,7 +33,7 @@ def pictures(figures: Figures) -> dict[str, str]:
     ]
     return {
         "performance-samples.svg": bars(
-            "A sample of odometry: µs, p50, and processor time at 1 kHz",
+            "A sample of odometry: latency (p50) and processor time (at 1 kHz), µs",
             {"bare Zenoh": 0, "bare Zenoh and msgspec": 1, "a Node": 2},
             soon,
         ),
