@@ -7,6 +7,7 @@ import datetime as dt
 import json
 import os
 import platform
+import subprocess
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final
@@ -32,15 +33,15 @@ PICTURES: Final = ROOT / "docs" / "pictures"
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make bench", description="Measure services beside bare Zenoh.")
-    parser.add_argument("--rounds", type=int, default=_ROUNDS, help="how often everything is measured")
+    parser.add_argument("--rounds", type=_rounds, default=_ROUNDS, help="how often everything is measured")
     parser.add_argument("--only", action="append", choices=_PARTS, help="one part; may be given several times")
     given = parser.parse_args()
-    figures = Figures()
+    about, figures = _about(), Figures()
     for number in range(given.rounds):
         for part in given.only or _PARTS:
             print(f"round {number + 1} of {given.rounds}: {part}", flush=True)
             _PARTS[part](figures)
-    results = {**_about(), "rounds": given.rounds, "figures": as_json(figures)}
+    results = {**about, "rounds": given.rounds, "figures": as_json(figures)}
     print(tables(results))
     is_whole = given.only is None and given.rounds >= _ROUNDS
     path = RESULTS if is_whole else BUILD / "bench" / "results.json"
@@ -53,11 +54,18 @@ def main() -> None:
             (PICTURES / name).write_text(drawn, encoding="utf-8")
 
 
+def _rounds(text: str) -> int:
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of rounds; give a whole number of at least 1")
+    return int(text)
+
+
 def _about() -> dict[str, Any]:
     model = [line for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines() if "model name" in line]
     processor = model[0].partition(":")[2].strip() if model else platform.machine()
     return {
         "date": str(dt.datetime.now(dt.UTC).date()),
+        "commit": _commit(),
         "machine": {
             "processor": processor,
             "cores": f"{os.cpu_count()} cores",
@@ -68,6 +76,15 @@ def _about() -> dict[str, Any]:
             **{name: version(name) for name in ("giraff", "eclipse-zenoh", "msgspec")},
         },
     }
+
+
+def _commit() -> str:
+    """Return the short name of the commit that is measured, with `+` where files differ from it."""
+    words = ["git", "describe", "--always", "--dirty=+", "--exclude=*"]
+    try:
+        return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What a run has measured: by figure and subject, all values in order; and what must hold. No I/O here."""
+"""What a run has measured: by figure and subject, all values in order; and the targets. No I/O here."""
 
 from __future__ import annotations
 
@@ -45,23 +45,29 @@ SUM: Final = "robot's side"
 """Name of the sum over `ROBOT_SIDE`."""
 
 
-class Limit(NamedTuple):
-    """One thing that must hold of a median."""
+class Target(NamedTuple):
+    """One bound for a median, or for a ratio to raw."""
 
     figure: str
     subject: str
     kind: Literal["most", "most of raw", "least of raw"]
     bound: float
 
+    @property
+    def words(self) -> str:
+        """The target as a table names it."""
+        kind, _, base = self.kind.partition(" ")
+        return f"{kind} {self.bound:g} {base}".rstrip()
+
 
 _COMPARED: Final = ("one way 100 Hz p50", "one way 1000 Hz p50", "round trip p50")
-LIMITS: Final = (
-    *(Limit(figure, "node", "most of raw", 1.2) for figure in (*_COMPARED, "publisher 1000 Hz", "subscriber 1000 Hz")),
-    Limit("burst", "node", "least of raw", 0.5),
-    Limit("burst lost", "node", "most", 0.0),
-    Limit("cold start", "node", "most of raw", 3.0),
-    Limit("processor", SUM, "most", 12.0),
-    *(Limit("RSS", service, "most", 32.0) for service in MEASURED),
+TARGETS: Final = (
+    *(Target(figure, "node", "most of raw", 1.2) for figure in (*_COMPARED, "publisher 1000 Hz", "subscriber 1000 Hz")),
+    Target("burst", "node", "least of raw", 0.5),
+    Target("burst lost", "node", "most", 0.0),
+    Target("cold start", "node", "most of raw", 3.0),
+    Target("processor", SUM, "most", 12.0),
+    *(Target("RSS", service, "most", 32.0) for service in MEASURED),
 )
 
 
@@ -84,22 +90,24 @@ class Figures:
 
     def ratio(self, figure: str, subject: str) -> float | None:
         """Return the median of the ratios to raw of the same moment; None: there is none."""
-        subjects = self.values[figure]
-        if not all(subjects.get("raw", ())) or "raw" not in subjects:
+        raw = self.values[figure].get("raw")
+        if raw is None or 0.0 in raw:
             return None
-        return median(value / base for value, base in zip(subjects[subject], subjects["raw"], strict=True))
+        return median(value / base for value, base in zip(self.values[figure][subject], raw, strict=True))
 
-    def judged(self) -> list[tuple[Limit, float, bool]]:
-        """Return each limit whose figure was measured, with its value and whether it holds."""
+    def judged(self) -> list[tuple[Target, float, bool]]:
+        """Return each target whose figure was measured, with its value and whether that reaches it."""
         found = []
-        for limit in LIMITS:
-            if not self.has(limit.figure, limit.subject):
+        for target in TARGETS:
+            if not self.has(target.figure, target.subject):
                 continue
-            is_ratio = limit.kind != "most"
-            value = self.ratio(limit.figure, limit.subject) if is_ratio else self.median(limit.figure, limit.subject)
+            is_ratio = target.kind != "most"
+            value = (
+                self.ratio(target.figure, target.subject) if is_ratio else self.median(target.figure, target.subject)
+            )
             if value is not None:
-                holds = value >= limit.bound if limit.kind == "least of raw" else value <= limit.bound
-                found.append((limit, value, holds))
+                is_reached = value >= target.bound if target.kind == "least of raw" else value <= target.bound
+                found.append((target, value, is_reached))
         return found
 
 
