@@ -14,7 +14,7 @@ from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import SampleT, Topic
 from giraff_schemas.trouble import Trouble
 
-_WAITING: Final = 1000
+_WAITING: Final = 300
 """Payloads that wait for a turn. Rubbish must not push out what can be read, and is seen only when it is read."""
 
 

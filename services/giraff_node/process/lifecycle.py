@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import sys
@@ -69,6 +70,7 @@ class Process:
         self._asked = False  # for a turn that has not begun
         self._loop_is_next = False  # it waits for the lock: samples without end must not keep it out
         self._next_look = 0.0
+        self._turned = 0.0  # s, monotonic; when the last turn began
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._on_signal)
         signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
@@ -92,8 +94,7 @@ class Process:
         watched: tuple[Selectable, ...] = (self._waker, self._health_socket, *([link] if link is not None else []))
         own = frozenset(boards)
         self._timers = (*timers, *boards)
-        with self._turning:
-            self._prompt = prompt
+        with self._turning, self._looping(prompt):
             readable: set[Selectable] = set()
             while not self._stopping:
                 now = time.monotonic()
@@ -113,9 +114,9 @@ class Process:
                 spoken = [board for board in awake if board.ready(now)]  # each is asked, and reads its port
                 # A turn that was made meanwhile has put off the next one.
                 timed = any(timer.wait(now) <= 0.0 for timer in timers)
-                idle = not readable and wait >= _LONGEST_WAIT
+                idle = now - self._turned >= _LONGEST_WAIT
                 if (self._asked or spoken or readable - own or timed or idle) and not self._stopping:
-                    self._asked = False
+                    self._asked, self._turned = False, now
                     yield now
 
     def wake(self) -> None:
@@ -184,6 +185,16 @@ class Process:
         if status:
             sys.exit(status)
 
+    @contextlib.contextmanager
+    def _looping(self, prompt: Callable[[float], None] | None) -> Iterator[None]:
+        """Let others make turns within the block, and nobody after it, however it ends."""
+        self._prompt, self._turned = prompt, time.monotonic()
+        try:
+            yield
+        finally:
+            self._prompt, self._stopping = None, True
+            self._watchdog.stopping()
+
     def _wait(self, now: float) -> float:
         """Return the seconds until a timer is due."""
         return min([timer.wait(now) for timer in self._timers], default=_LONGEST_WAIT)
@@ -204,7 +215,7 @@ class Process:
         prompt = self._prompt
         if prompt is None or self._stopping or self._failure is not None:
             return
-        now = time.monotonic()
+        self._turned = now = time.monotonic()
         try:
             prompt(now)
         except BaseException as error:  # noqa: BLE001  the loop raises it

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import select
 import socket
 from collections.abc import Iterable
@@ -49,11 +50,16 @@ class Waker:
 
 
 def wait_for(watched: Iterable[Selectable], seconds: float) -> set[Selectable]:
-    """Wait at most `seconds` until one of these is readable; which are."""
+    """Wait at most `seconds` until one of these is readable; return which are."""
     there = {descriptor: each for each in watched if (descriptor := each.descriptor()) is not None}
     # Not poll, which wakes up to a millisecond late: only where there are more descriptors than select serves.
     if max(there, default=0) < _SELECTABLE:
-        readable, _, _ = select.select(there, (), (), seconds)
+        try:
+            readable, _, _ = select.select(there, (), (), seconds)
+        except OSError as error:
+            if error.errno != errno.EBADF:
+                raise
+            return set()  # a turn in another thread has closed it just now
         return {there[descriptor] for descriptor in readable}
     poll = select.poll()
     for descriptor in there:

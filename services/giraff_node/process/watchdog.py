@@ -11,6 +11,9 @@ from typing import Final
 
 _ARMED_ANEW: Final = 3
 """Times in a period that a turning loop arms the timer."""
+_STACKS_AT: Final = 0.9
+"""Share of the time after which a thread of its own writes the stacks."""
+_PERIODS_TO_END: Final = 2
 
 
 def watchdog_period(environment: Mapping[str, str] = os.environ) -> float | None:
@@ -26,31 +29,39 @@ def watchdog_period(environment: Mapping[str, str] = os.environ) -> float | None
 class Watchdog:
     """Ends this process by SIGALRM after a period without a turn, with the stack of each thread in its log.
 
-    The kernel and C code do it: a loop that holds Python's lock ends like one that waits for ever. It does nothing
-    where $WATCHDOG_USEC is not set, because nobody there starts the process again.
+    The kernel and C code do it: a loop that holds Python's lock ends like one that waits for ever, and a log that
+    nobody reads holds up the stacks alone. It does nothing where $WATCHDOG_USEC is not set, because nobody there starts
+    the process again.
     """
 
     def __init__(self, environment: Mapping[str, str] = os.environ) -> None:
         self._period = watchdog_period(environment)
         self._next: float | None = None
         """Monotonic time, s, from which a turn arms the timer; None before the first turn, which may take its time."""
+        self._is_armed = False
 
     def turn(self, now: float) -> None:
         """Note that the loop turns. `now`: monotonic, s."""
         if self._period is None or (self._next is not None and now < self._next):
             return
         if self._next is None:
-            # `chain`: after the stacks come the signal's own consequences, and nobody handles it.
-            faulthandler.register(signal.SIGALRM, all_threads=True, chain=True)
-        signal.setitimer(signal.ITIMER_REAL, self._period)
+            self._next = now
+            return
         self._next = now + self._period / _ARMED_ANEW
+        self._arm(self._period)
 
     def stopping(self) -> None:
-        """Leave a whole period for the end of the process, which may hang like a turn."""
-        if self._period is not None and self._next is not None:
-            signal.setitimer(signal.ITIMER_REAL, self._period)
+        """Leave some time for the end of the process, which may hang like a turn."""
+        if self._period is not None and self._is_armed:
+            self._arm(_PERIODS_TO_END * self._period)
+
+    def _arm(self, seconds: float) -> None:
+        self._is_armed = True
+        signal.setitimer(signal.ITIMER_REAL, seconds)
+        faulthandler.dump_traceback_later(_STACKS_AT * seconds)
 
 
 def disarm() -> None:
     """End the watch. Another program in the same process would inherit the timer, but not the stacks."""
+    faulthandler.cancel_dump_traceback_later()
     signal.setitimer(signal.ITIMER_REAL, 0.0)

@@ -24,7 +24,7 @@ def test_rubbish_between_two_turns_pushes_out_no_sample_before_it(tmp_path: Path
         for number in range(3):
             tick = stamped(Tick(epoch=1, robot_ns=number), number, 0, "0123456789abcdef")
             session.put(key, encode(tick), encoding=encoding_of(Tick))
-        for _ in range(900):
+        for _ in range(250):
             session.put(key, b"rubbish")
         taken: list[int] = []
 

@@ -43,9 +43,11 @@ class Turning:
         assert not self._depth
         self._depth += 1
         self.made.append(maker)
-        if self.during:
-            self.during.pop(0)()
-        self._depth -= 1
+        try:
+            if self.during:
+                self.during.pop(0)()
+        finally:
+            self._depth -= 1
 
     def _wait(self, _watched: Iterable[Selectable], seconds: float) -> set[Selectable]:
         self.waits.append(seconds)
@@ -140,6 +142,19 @@ def test_what_a_prompt_turn_raises_ends_the_loop_and_no_turn_follows(
             turning.run()
         process.wake()
     assert turning.made == ["loop", "sample"]
+
+
+def test_no_turn_comes_after_one_of_the_loop_has_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails() -> None:
+        raise LookupError
+
+    with turning_process() as process:
+        turning = Turning(process, monkeypatch)
+        turning.during.append(fails)
+        with pytest.raises(LookupError):
+            turning.run()
+        process.wake()
+    assert turning.made == ["loop"]
 
 
 def test_no_turn_comes_after_the_loop_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
