@@ -16,5 +16,7 @@ def fastest(room: float, reaction_time: float, deceleration: float, run_on: floa
     if room <= 0.0:
         return 0.0
     lag = deceleration * reaction_time
-    # The square of a tiny lag is 0, and the root then less than the lag.
-    return max(0.0, math.sqrt(lag * lag + 2.0 * deceleration * room) - lag)
+    # Not the root less the lag: of two numbers that are nearly the same, little that is true would be left.
+    gain = 2.0 * deceleration * room
+    root = lag + math.sqrt(lag * lag + gain)
+    return gain / root if root > 0.0 else 0.0  # so little room that its gain is rounded to 0

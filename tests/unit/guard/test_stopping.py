@@ -57,6 +57,7 @@ def test_a_run_on_is_in_each_stop_of_a_robot_that_moves() -> None:
     assert fastest(0.12, 0.1, 0.35, run_on=0.12) == 0.0
 
 
+@example(room=1e-14, more=0.03125, reaction_time=1.9658179981575703, deceleration=1.5)
 @given(room=ROOMS, more=st.floats(0.001, 5.0), reaction_time=TIMES, deceleration=DECELERATIONS)
 def test_more_room_allows_more_and_more_delay_less(
     room: float, more: float, reaction_time: float, deceleration: float
