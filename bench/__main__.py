@@ -7,6 +7,7 @@ import datetime as dt
 import json
 import os
 import platform
+import re
 import subprocess
 from importlib.metadata import version
 from pathlib import Path
@@ -46,7 +47,7 @@ def main() -> None:
     is_whole = given.only is None and given.rounds >= _ROUNDS
     path = RESULTS if is_whole else BUILD / "bench" / "results.json"
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    path.write_text(_text(results), encoding="utf-8")
     print(f"\n{path.relative_to(ROOT)}")
     if is_whole:
         PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), results), encoding="utf-8")
@@ -58,6 +59,11 @@ def _rounds(text: str) -> int:
     if not text.isdecimal() or not int(text):
         raise argparse.ArgumentTypeError(f"{text!r} is no number of rounds; give a whole number of at least 1")
     return int(text)
+
+
+def _text(results: dict[str, Any]) -> str:
+    """Return JSON with the values of a figure on one line."""
+    return re.sub(r"\[[^][{}]*\]", lambda values: re.sub(r"\s+", " ", values[0]), json.dumps(results, indent=1)) + "\n"
 
 
 def _about() -> dict[str, Any]:
