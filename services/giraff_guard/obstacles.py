@@ -97,11 +97,11 @@ class Obstacles:
 
     @property
     def verdicts(self) -> Verdicts:
-        """The verdict for each direction, as `judge` found it last."""
+        """Return the verdict for each direction, as `judge` found it last."""
         return self._verdicts
 
     def troubles(self, now: RobotTime) -> dict[str, Trouble]:
-        """By sensor: why it is not trusted."""
+        """Return why a sensor is not trusted, by its name."""
         motion = self._motion
         return {name: trouble for source in self._sources for name, trouble in source.troubles(motion, now).items()}
 

@@ -8,7 +8,7 @@ is the error. S. Julier, J. Uhlmann, Unscented Filtering and Nonlinear Estimatio
 
 from __future__ import annotations
 
-from math import cos, sin
+import math
 from typing import NamedTuple
 
 from giraff_core.kinematics.calibration import Calibration, Covariance
@@ -48,15 +48,10 @@ class SystematicError:
         """Its wheels have travelled so many m, by the scales that were found."""
         if left == right == 0.0:
             return
-        track = self._drive.track_width
-        moved = []
-        for pose, factors in zip((self._here, *self._others), (self._found, *self._factors), strict=True):
-            left_way, right_way = left * factors.left, right * factors.right
-            turn = (right_way - left_way) / track / factors.track
-            chord, middle = (left_way + right_way) / 2.0 * chord_ratio(turn), pose.yaw + turn / 2.0
-            # Yaw goes on past half a turn: what two robots are apart is more than that after some turns.
-            moved.append(Pose(pose.x + chord * cos(middle), pose.y + chord * sin(middle), pose.yaw + turn))
-        self._here, *self._others = moved
+        self._here = self._moved(self._here, left, right, self._found)
+        self._others = [
+            self._moved(pose, left, right, factors) for pose, factors in zip(self._others, self._factors, strict=True)
+        ]
 
     def covariance(self) -> Covariance:
         """Of (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw, about the robot with the scales that were found."""
@@ -68,3 +63,10 @@ class SystematicError:
             yy, yt, tt = yy + y * y, yt + y * yaw, tt + yaw * yaw
         count = len(self._others)
         return xx / count, xy / count, xt / count, yy / count, yt / count, tt / count
+
+    def _moved(self, pose: Pose, left: float, right: float, factors: _Factors) -> Pose:
+        """Yaw goes on past half a turn: what two robots are apart is more than that after some turns."""
+        distance, turn = self._drive.twist(left * factors.left, right * factors.right)
+        turn /= factors.track
+        chord, middle = distance * chord_ratio(turn), pose.yaw + turn / 2.0
+        return Pose(pose.x + chord * math.cos(middle), pose.y + chord * math.sin(middle), pose.yaw + turn)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from operator import itemgetter
-from typing import Final
+from operator import attrgetter
+from typing import Final, NamedTuple
 
 from giraff_core.freshness import age
 from giraff_guard.limits import SIGN, Limits, Way
@@ -15,6 +15,16 @@ from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.messages import RobotTime, Verdict
 
 _ROLLS: Final = "the robot would first roll back towards it"
+
+
+class _PingLimit(NamedTuple):
+    """What one reading allows."""
+
+    allowed: float
+    """m/s; 0 where it blocks."""
+    ping: Ping
+    is_braking: bool = False
+    """It blocks because the robot is faster than it may be."""
 
 
 class Nearest:
@@ -40,7 +50,7 @@ class Nearest:
             self._by_ping(sensor, ping, motion, now, stops_within, blocked=blocked)
             for ping in sensor.believed(self._others[sensor.name])
         ]
-        verdict = self._told(sensor, *min(judged, key=itemgetter(0)))
+        verdict = self._verdict_of(sensor, min(judged, key=attrgetter("allowed")))
         if verdict.allowed <= config.creep_linear:
             return verdict
         if doubt := sensor.doubt(motion, now):
@@ -80,11 +90,8 @@ class Nearest:
 
     def _by_ping(
         self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime, stops_within: float, *, blocked: bool
-    ) -> tuple[float, Ping, str]:
-        """Return m/s that one reading allows, 0 where it blocks, and what else is to be said of it.
-
-        `stops_within`: m.
-        """
+    ) -> _PingLimit:
+        """Return what one reading allows. `stops_within`: m."""
         limits, config = self._limits, self._limits.config
         room = self.clearance(sensor, ping.distance) - config.margin
         came = ping.place.ahead(motion.place, sensor.pose.yaw)
@@ -94,16 +101,17 @@ class Nearest:
             allowed = min(allowed, limits.fastest(room, age(sensor.tick, now)))
         too_close = room - came < config.release if blocked else room <= 0.0
         if too_close or allowed < config.slowest:
-            return 0.0, ping, ""
+            return _PingLimit(0.0, ping)
         if came + stops_within > room:
             # The robot is faster than it may be: power off brakes harder than a lower level does.
-            return 0.0, ping, ", braking"
-        return min(allowed, limits.most), ping, ""
+            return _PingLimit(0.0, ping, is_braking=True)
+        return _PingLimit(min(allowed, limits.most), ping)
 
-    def _told(self, sensor: Sensor, allowed: float, ping: Ping, more: str) -> Verdict:
-        seen = f"{sensor.name} sees something at {ping.distance:.2f} m{more}"
-        limits = self._limits
-        return limits.allow(allowed, sensor.name, seen) if allowed > 0.0 else limits.block(sensor.name, seen)
+    def _verdict_of(self, sensor: Sensor, limit: _PingLimit) -> Verdict:
+        seen = f"{sensor.name} sees something at {limit.ping.distance:.2f} m{', braking' if limit.is_braking else ''}"
+        if limit.allowed > 0.0:
+            return self._limits.allow(limit.allowed, sensor.name, seen)
+        return self._limits.block(sensor.name, seen)
 
     def clearance(self, sensor: Sensor, distance: float) -> float:
         """m between the footprint and what `distance` told, at the least.
