@@ -15,7 +15,10 @@ from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import read_known, suggestion
 from giraff_node.node import Node
+from giraff_node.process import malloc
 from giraff_schemas.services import BASE, SERVICES, Service
+
+malloc.limit_heaps()
 
 _STARTED = {service.name: service for service in SERVICES if service.entry}
 

@@ -6,13 +6,10 @@ has kept confirms one.
 
 from __future__ import annotations
 
-import hashlib
-import ssl
 import threading
 import time
 from collections.abc import Collection
 from contextlib import closing
-from http.client import HTTPSConnection
 from typing import Final, NamedTuple
 from urllib.parse import urlsplit
 
@@ -100,6 +97,10 @@ def _body(answer: Answer) -> _Body:
 
 def ask(place: Place, *, off: bool = False) -> Answer:
     """Ask once, for off or for a plain stop. Raises OSError, HTTPException, ValueError."""
+    import hashlib  # noqa: PLC0415  a stop over Zenoh, which has a head start, is not to wait for these
+    import ssl  # noqa: PLC0415
+    from http.client import HTTPSConnection  # noqa: PLC0415
+
     path = "/stop?off" if off else "/stop"
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname = False  # no authority stands for it: who it is, its certificate itself tells

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import msgspec
-import tomlkit
 
 from giraff_cli.estop.readable import Readable, has_bundle, read_what_is_left
 from giraff_cli.network.command import not_all_counts
@@ -142,6 +141,8 @@ def _name(given: RawSettings, *, is_lost: bool) -> str:
 
 def _text(value: Any) -> str:
     """As a variable holds it."""
+    import tomlkit  # noqa: PLC0415  a plan without a complaint does not wait for it
+
     if isinstance(value, dict):
         table = tomlkit.inline_table()
         table.update(value)

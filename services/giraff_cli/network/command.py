@@ -51,8 +51,8 @@ def run_with_robot(
 
     def find_and_act(connection: RobotConnection) -> int:
         if not connection.robot:
-            left = patience if connection.waited is None else 0.0
-            connection.robot = find_robot(connection.session, connection.filed, patience, left)
+            at_door = connection.waited is None
+            connection.robot = find_robot(connection.session, connection.filed, patience, at_door=at_door)
             if moves:
                 require_consent(connection.session, connection.robot, naming(connection.robot))
         return act(connection)

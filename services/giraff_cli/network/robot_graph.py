@@ -24,7 +24,7 @@ from giraff_schemas.messages import Sample
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
 
 FIRST_WITHIN: Final = 3.0  # s until the first word of a robot that is there
-_LOOK_EVERY: Final = 0.05  # s
+_LOOK_EVERY: Final = 0.02  # s
 _ASK_EVERY: Final = 0.4  # s
 _ANSWER_WITHIN: Final = 1.0  # s
 _SETTLED: Final = 0.4  # s after the first word: the other processes of a robot are met within some ten ms

@@ -27,7 +27,7 @@ AnyKey = Annotated[
 def list_topics(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Listen = 2.0,
+    seconds: Listen = 1.0,
     with_absent: Annotated[
         bool, typer.Option("--all", help="Also the keys of the table that nobody publishes.")
     ] = False,

@@ -32,6 +32,7 @@ from giraff_schemas.topics import health_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s
 _SETTLED: Final = 0.5  # s after the first robot was found: the others of a network are met within some ten ms
+_AT_A_DOOR: Final = 0.1  # s of the same for a client: the door has met the others before
 
 CORRECT_IT: Final = "correct it: without it nobody knows which robot is meant, or how it is reached"
 """The way out of a ConfigError of `resolve_target`."""
@@ -190,18 +191,18 @@ def stand_in(session: zenoh.Session, way: Target) -> str:
     return simulated
 
 
-def find_robot(session: zenoh.Session, filed: str, patience: float, left: float | None = None) -> str:
+def find_robot(session: zenoh.Session, filed: str, patience: float, *, at_door: bool = True) -> str:
     """The robot that is there, where nobody has named one. A person at a terminal is asked. Raises NoRobotError.
 
-    `left`: s of the patience; None: all.
+    `at_door`: the session is a door's client. Else all `patience` went by until one was given up.
     """
-    deadline = time.monotonic() + (patience if left is None else left)
+    deadline = time.monotonic() + (patience if at_door else 0.0)
     while not (found := list_robots(session)):
         if time.monotonic() > deadline:
             named = f"; {DEFAULT_FILE} names {filed}" if filed else ""
             raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {HOW_TO_REACH}{named}")
         time.sleep(_ASK_AGAIN)
-    time.sleep(_SETTLED)
+    time.sleep(_AT_A_DOOR if at_door else _SETTLED)
     return settle(session, sorted({*found, *list_robots(session)}), filed)
 
 

@@ -183,13 +183,14 @@ def test_the_only_robot_is_meant_where_nobody_names_one(network: Network) -> Non
     comes.__exit__(None, None, None)
 
 
-def test_of_several_one_must_be_named(network: Network) -> None:
+@pytest.mark.parametrize(("at_door", "moment"), [(True, 0.05), (False, 0.3)])
+def test_of_several_one_must_be_named(network: Network, at_door: bool, moment: float) -> None:
     """Also where one of them is met a moment after the other."""
     tokens = network.others
     later = tokens.declare_token(alive_key(OTHER, "base", "2"))
-    network.clock.after(0.3, later.__enter__)
+    network.clock.after(moment, later.__enter__)
     with tokens.declare_token(alive_key(ONE, "base", "1")):
         names = ", ".join(f"--robot {name}" for name in sorted((ONE, OTHER)))
         with pytest.raises(NoRobotError, match=f"several robots are on the network; name one: {names}"):
-            find_robot(network.ours, "", 10.0)
+            find_robot(network.ours, "", 10.0, at_door=at_door)
     later.__exit__(None, None, None)
