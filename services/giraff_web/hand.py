@@ -20,8 +20,8 @@ OUT_OF_SIGHT: Final = 0.6
 WISH_LASTS: Final = 0.4
 """s, by the robot's own ticks, after which a wish says nothing of now; as a key of the keyboard."""
 
-_AGAIN: Final = "lift the finger, or the key, and put it down again"
-_CHECK_LINK: Final = f"check the wireless network, and {_AGAIN}"
+_AGAIN: Final = "let go, then hold again"
+_CHECK_LINK: Final = f"check the wireless network, {_AGAIN}"
 _TOO_OLD: Final = Trouble("what the page says is too old", _CHECK_LINK)
 _SILENT: Final = Trouble(f"nothing was heard of the page for {SILENCE:g} s", _CHECK_LINK)
 _LOST: Final = {
@@ -29,9 +29,10 @@ _LOST: Final = {
     "hidden": "the page was hidden",
     "focus": "the page lost the focus",
     "turned": "the screen has turned",
-    "idle": "neither finger, key nor phone has moved for 1 s",
+    "idle": "neither finger, key, stick nor phone has moved for 1 s",
     "stalled": "the page stood still for a moment",
     "left": "the page was closed",
+    "gamepad": "the gamepad is not heard",
 }
 
 

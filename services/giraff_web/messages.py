@@ -25,7 +25,7 @@ _Acceleration = Annotated[float, msgspec.Meta(ge=-1e4, le=1e4)]
 Reading = tuple[_Seconds, _Acceleration, _Acceleration, _Acceleration]
 """When (s, of the page's own clock) and DeviceMotion's accelerationIncludingGravity (x, y, z; m/s²)."""
 
-Input = Literal["tilt", "pad", "keys"]
+Input = Literal["tilt", "pad", "keys", "gamepad"]
 
 RELEASE: Final = "{release}"
 """A page writes here how to release the stop: a page that only watches has no such button."""
@@ -68,7 +68,7 @@ class PageWish(_FromPage, frozen=True, kw_only=True, tag="wish"):
     """Counts the touches (or presses, when no key was down) since the page was loaded; 0: nothing is held now."""
     input: Input
     forward: Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)] = 0.0
-    """Of the pad or the keys: share of their full speed, backwards negative. 0 in the first wish of each hold."""
+    """Of pad, keys or gamepad: share of their full speed, backwards negative. 0 in the first wish of each hold."""
     left: Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)] = 0.0
     """The same of their turn, counter-clockwise positive."""
     readings: Annotated[tuple[Reading, ...], msgspec.Meta(max_length=40)] = ()
@@ -82,9 +82,9 @@ class LetGo(_FromPage, frozen=True, kw_only=True, tag="let_go"):
 
     n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
     """Goes on counting the wishes."""
-    why: Literal["finger", "cancelled", "hidden", "focus", "turned", "idle", "stalled", "left"]
+    why: Literal["finger", "cancelled", "hidden", "focus", "turned", "idle", "stalled", "left", "gamepad"]
     """`cancelled`: the browser took the touch for itself; `idle`: 1 s without an event; `stalled`: the page stood
-    still; `turned`: the screen; `left`: the page is being closed."""
+    still; `turned`: the screen; `left`: the page is being closed; `gamepad`: the one that held is not heard."""
 
 
 class Stop(_FromPage, frozen=True, kw_only=True, tag="stop"):

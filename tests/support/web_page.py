@@ -9,7 +9,7 @@ from typing import Final, Literal
 from tests.support.browser import Device, Phone
 from tests.support.process_robot import PATIENCE, ProcessRobot
 
-Input = Literal["Tilt", "Pad", "Keys"]
+Input = Literal["Tilt", "Pad", "Keys", "Gamepad"]
 TILT: Final = "#tilt"
 PAD: Final = "#pad"
 """Where the finger lies that holds."""
@@ -17,6 +17,16 @@ _LEVEL: Final = 20
 """Pictures of a level phone, before a finger and under it: the service finds its zero in 0.2 s of readings."""
 _FULL: Final = 0.4
 """Of the pad's smaller side: so far from where it was put, a finger asks for full speed."""
+_GAMEPAD: Final = """() => {
+  const buttons = Array.from({ length: 17 }, () => ({ pressed: false, value: 0 }));
+  window.gamepad = { index: 0, id: "Test pad", mapping: "standard", connected: true, buttons, axes: [0, 0, 0, 0] };
+  window.isPlugged = true;
+  navigator.getGamepads = () => {
+    gamepad.axes[2] = 0.01 * Math.random();
+    return [isPlugged ? gamepad : null];
+  };
+}"""
+"""One gamepad in a hand, whose other stick trembles."""
 
 
 @contextmanager
@@ -95,15 +105,38 @@ def slide(phone: Phone, forward: float, left: float = 0.0) -> None:
     phone.slide(PAD, 0.5 - left * side / box["width"], 0.5 - forward * side / box["height"])
 
 
-def drive_by_pad(robot: ProcessRobot, phone: Phone, seconds: float) -> None:
-    """Forward for so long, as fast as the pad asks for, with a finger that stays there.
+def plug_in(device: Device) -> None:
+    """Connect a gamepad that nobody touches, in the place of what the browser tells of real ones."""
+    device.page.evaluate(_GAMEPAD)
+    device.page.locator("#mode-gamepad:visible").wait_for()
+
+
+def hold_gamepad(device: Device, forward: float = 0.0, *, held: bool = True) -> None:
+    """Press or let go of its right shoulder button, and push its left stick."""
+    device.page.evaluate("([held, y]) => { gamepad.buttons[5].pressed = held; gamepad.axes[1] = y; }", [held, -forward])
+    device.frames(2)
+
+
+def unplug(device: Device, *, off: bool = True) -> None:
+    """Take the gamepad away as it is held, or bring it back so."""
+    device.page.evaluate("(off) => { window.isPlugged = !off; }", off)
+
+
+def drive(robot: ProcessRobot, phone: Phone, seconds: float, by: Literal["Pad", "Gamepad"] = "Pad") -> None:
+    """Forward for so long, as fast as that asks for, with a finger or a gamepad's switch that stays down.
 
     Where a machine that stood still has stopped it meanwhile, all over again, as a person would.
     """
 
     def has_driven() -> bool:
-        take_hold(phone, PAD)
-        slide(phone, 1.0)
+        if by == "Pad":
+            take_hold(phone, PAD)
+            slide(phone, 1.0)
+        else:
+            plug_in(phone)
+            hold_gamepad(phone)
+            phone.frames(_LEVEL)
+            hold_gamepad(phone, 1.0)
         until = robot.simulator.now() + (seconds + 0.5) * 1e6
         phone.wait(lambda: robot.simulator.now() >= until or not is_held(phone), "driving")
         if is_held(phone) and robot.drives():

@@ -31,9 +31,9 @@ export const DRIVE_KEYS = new Map([
   ["KeyD", [0, -1]],
 ]);
 
-/** @typedef {"tilt" | "pad" | "keys"} Input */
+/** @typedef {"tilt" | "pad" | "keys" | "gamepad"} Input */
 /** @typedef {[string, string] | null} Tick */
-/** @typedef {"finger" | "cancelled" | "hidden" | "focus" | "turned" | "idle" | "stalled" | "left"} Why */
+/** @typedef {"finger" | "cancelled" | "hidden" | "focus" | "turned" | "idle" | "stalled" | "left" | "gamepad"} Why */
 
 /** Whether an event of this time is handled early enough to count. */
 export function isFresh(when, now) {
@@ -73,6 +73,8 @@ export class Hand {
     /** Pointers that lie on the pad, with their kind; the one that holds. */
     this._lying = new Map();
     this._pointer = null;
+    /** What the stick of the gamepad that holds asks: forward, left; null: no gamepad holds. */
+    this._stick = null;
     /** Drive keys that are down and count, and those that must be lifted first. */
     this._down = new Set();
     this._spent = new Set();
@@ -137,6 +139,7 @@ export class Hand {
   choose(input) {
     if (input === this.input) return;
     this._end("finger");
+    this.ended = "";
     this.input = input;
     this._readings = [];
   }
@@ -179,7 +182,7 @@ export class Hand {
     if (touch.primary) for (const [id, kind] of this._lying) if (kind === touch.kind) this._lying.delete(id);
     const alone = this._lying.size === 0;
     this._lying.set(touch.id, touch.kind);
-    if (this.input === "keys" || !alone || touch.button !== 0) return false;
+    if (["keys", "gamepad"].includes(this.input) || !alone || touch.button !== 0) return false;
     if (!this._counts(touch.when, now) || !this._begin(now)) return false;
     const { id, x, y, side } = touch;
     this._pointer = { id, x0: x, y0: y, x, y, side };
@@ -233,12 +236,40 @@ export class Hand {
     if (this._down.size === 0) this._end("finger");
   }
 
+  // A gamepad.
+
+  /** Take the press of a gamepad's switch. Only a centred stick may begin. @returns {boolean} it holds */
+  onSwitchDown(centred, when, now) {
+    if (this.input !== "gamepad" || this.hold || !this._counts(when, now)) return false;
+    if (!centred) this.ended = "centre";
+    if (!centred || !this._begin(now)) return false;
+    this._stick = [0, 0];
+    return true;
+  }
+
+  /** Take the stick of the gamepad that holds. `moved`: some stick or button has moved since the last frame. */
+  onStick(asks, moved, now) {
+    if (!this._stick) return;
+    this._stick = asks;
+    // A gamepad out of reach keeps its last state, and looks like a still one: that may ask for nothing for long.
+    if (moved || asks.every((share) => share === 0)) this._eventAt = now;
+  }
+
+  onSwitchUp() {
+    if (this._stick) this._end("finger");
+  }
+
+  /** The gamepad that held is not there any more, or says nothing that can be used. */
+  onGamepadGone() {
+    if (this._stick) this._end("gamepad");
+  }
+
   // The phone's motion.
 
   /** A reading of the phone's acceleration, m/s². @returns {boolean} it counts */
   onMotion(x, y, z, when, now) {
     if (!isFresh(when, now) || ![x, y, z].every(Number.isFinite)) return false;
-    this._eventAt = now;
+    if (this.input !== "gamepad") this._eventAt = now; // the phone may lie beside the gamepad
     if (this.input !== "tilt") return true;
     this._readings.push([when, x, y, z]);
     if (this._readings.length > MOST_READINGS) this._readings.shift();
@@ -276,6 +307,7 @@ export class Hand {
   /** What the hand asks now, as shares of full speed: forward, left. Of `tilt` the service knows. */
   get asks() {
     if (!this.hold || this.input === "tilt") return [0, 0];
+    if (this._stick) return this._stick;
     if (this._pointer) {
       const { x0, y0, x, y, side } = this._pointer;
       return [padShare(y0 - y, side), padShare(x0 - x, side)];
@@ -358,7 +390,7 @@ export class Hand {
     if (!this.hold) return;
     this.hold = 0;
     this.ended = why;
-    this._pointer = null;
+    this._pointer = this._stick = null;
     for (const code of this._down) this._spent.add(code);
     this._down.clear();
   }

@@ -2,6 +2,7 @@
 
 import { Balance } from "./balance.js";
 import { Floor, Trail } from "./floor.js";
+import * as gamepad from "./gamepad.js";
 import { Hand, isFresh } from "./hand.js";
 import * as keys from "./keys.js";
 import { Link } from "./link.js";
@@ -18,6 +19,7 @@ const clock = () => performance.now() / 1000;
 const LOOK = 100;
 /** s for which a refusal is shown after the service no longer says it. */
 const REFUSAL = 6;
+const modes = ["tilt", "pad", "keys", "gamepad"];
 
 const at = {
   hello: /** @type {any} */ (null),
@@ -56,6 +58,7 @@ const stop = new StopButton(clock, {
     fetch(off ? "/stop?off" : "/stop", { method: "POST", keepalive: true }).catch(() => {});
   },
 });
+const gamepads = new gamepad.Gamepads(hand, stop);
 const question = new Question({
   release: (latch, when) => {
     if (!isFresh(when, clock()) || !hand.isLinked(clock())) {
@@ -149,11 +152,15 @@ function look() {
 
 function frame() {
   const now = clock();
+  const pads = [...(navigator.getGamepads?.() ?? [])];
+  if (pads.some(Boolean)) byId("mode-gamepad").hidden = false; // it stays: what was chosen does not go
+  gamepads.onFrame(pads, now);
   hand.onFrame(now);
   if (changed || hand.hold !== at.hold || picture.hasAged(now)) draw(now);
   floor.draw(at.hello, at.state, trail, at.linked);
   const field = byId(at.input);
   if (at.input === "keys") keys.draw(field, hand);
+  else if (at.input === "gamepad") gamepad.draw(field, hand, pads);
   else pad.draw(field, field.querySelector(".ring"), field.querySelector(".knob"), hand);
   requestAnimationFrame(frame);
 }
@@ -195,7 +202,7 @@ function show(input) {
   changed = true;
   hand.choose(input);
   at.input = input;
-  for (const each of ["tilt", "pad", "keys"]) {
+  for (const each of modes) {
     const button = byId(`mode-${each}`);
     button.setAttribute("aria-checked", String(each === input));
     button.tabIndex = each === input ? 0 : -1;
@@ -203,15 +210,15 @@ function show(input) {
   }
 }
 
-const modes = ["tilt", "pad", "keys"];
-modes.forEach((mode, index) => {
+modes.forEach((mode) => {
   const button = byId(`mode-${mode}`);
   button.addEventListener("click", () => choose(/** @type {any} */ (mode)));
   button.addEventListener("keydown", (event) => {
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (!step) return;
     event.preventDefault();
-    byId(`mode-${modes[(index + step + 3) % 3]}`).focus();
+    const there = modes.filter((each) => !byId(`mode-${each}`).hidden);
+    byId(`mode-${there.at((there.indexOf(mode) + step) % there.length)}`).focus();
   });
 });
 

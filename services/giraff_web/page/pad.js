@@ -68,6 +68,6 @@ export function draw(field, ring, knob, hand) {
   place(knob, finger.x0 - box.left + dx * limit, finger.y0 - box.top + dy * limit);
 }
 
-function place(mark, x, y) {
+export function place(mark, x, y) {
   mark.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
 }

@@ -12,17 +12,30 @@ const ENDED = {
   stalled: "this page stood still for a moment",
   left: "the page was left",
   lost: "the link was lost",
+  gamepad: "the gamepad is not heard",
+  centre: "the stick was not centred",
 };
-const AGAIN = { tilt: "let go, then hold again", pad: "let go, then hold again" };
+const AGAIN = {
+  tilt: "let go, then hold again",
+  pad: "let go, then hold again",
+  keys: "let go of the keys, then press again",
+  gamepad: "let go of LB and RB, centre the stick, then hold again",
+};
 const HOW = {
   tilt: "Hold the phone flat, put a finger on the field, then tilt",
   pad: "Put a finger on the pad and drag",
   keys: "Press an arrow key or W, A, S, D",
+  gamepad: "Hold LB or RB, then move the left stick",
 };
-const TAKE = { tilt: "hold the field", pad: "hold the pad", keys: "press a drive key" };
+const TAKE = { tilt: "hold the field", pad: "hold the pad", keys: "press a drive key", gamepad: "hold LB or RB" };
 const ADDRESS = "To drive, open the address that the robot’s page service shows now.";
 const SEE = "see that the robot may move, then {release}";
-const ARM = { tilt: "hold the field and keep the phone flat", pad: "hold the pad without dragging", keys: "let go of the keys" };
+const ARM = {
+  tilt: "hold the field and keep the phone flat",
+  pad: "hold the pad without dragging",
+  keys: "let go of the keys",
+  gamepad: "hold LB or RB with the stick centred",
+};
 
 export const DEGREES = 180 / Math.PI;
 
@@ -57,7 +70,7 @@ export function armedText(state, me, input) {
 /**
  * Why the robot does not drive as this page asks, in one sentence; else what to do.
  * @param {{linked: boolean, heard: boolean, closed: string, mayDrive: boolean, session: string, refused: string,
- *   ended: string, hold: number, stopping: boolean, input: "tilt" | "pad" | "keys", me: number, state: any}} at
+ *   ended: string, hold: number, stopping: boolean, input: import("./hand.js").Input, me: number, state: any}} at
  */
 export function whyText(at) {
   if (!at.linked) {
@@ -72,7 +85,7 @@ export function whyText(at) {
   if (stopped) return stopped;
   if (at.refused) return sentence(at.refused);
   if (!at.hold && ENDED[at.ended]) {
-    return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input] ?? "let go of the keys, then press again"}.`;
+    return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input]}.`;
   }
   if (at.state?.why) return sentence(at.state.why);
   return at.hold ? "The robot obeys." : `${HOW[at.input]}.`;

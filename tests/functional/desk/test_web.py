@@ -25,7 +25,22 @@ from tests.support.browser import Browser, Device, Phone, browser
 from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import SMALL_ROOM, Command, command_in, line_of
-from tests.support.web_page import PAD, TILT, Input, choose, is_armed, is_held, open_page, slide, take, take_hold, tap
+from tests.support.web_page import (
+    PAD,
+    TILT,
+    Input,
+    choose,
+    hold_gamepad,
+    is_armed,
+    is_held,
+    open_page,
+    plug_in,
+    slide,
+    take,
+    take_hold,
+    tap,
+    unplug,
+)
 from tests.unit.cli.typed import typed
 
 pytestmark = pytest.mark.timeout(240)
@@ -111,9 +126,17 @@ def go_by_keys(phone: Phone) -> None:
     phone.page.keyboard.down(KEY)
 
 
+def go_by_gamepad(phone: Phone) -> None:
+    plug_in(phone)
+    hold_gamepad(phone)
+    phone.wait(lambda: is_armed(phone) or not is_held(phone), "an armed robot")
+    hold_gamepad(phone, 1.0)
+
+
 WAYS: Final[dict[Input, tuple[Callable[[Phone], None], Callable[[Phone], object]]]] = {
     "Keys": (go_by_keys, lambda phone: phone.page.keyboard.up(KEY)),
     "Pad": (go_by_pad, Phone.lift),
+    "Gamepad": (go_by_gamepad, unplug),
     "Tilt": (go_by_tilt, Phone.lift),
 }
 """How each input goes ahead, and how it lets go."""
@@ -128,6 +151,8 @@ def drive(phone: Phone, observer: Observer, by: Input, metres: float, tries: int
         newest = observer.newest(TRUE_POSE)
         return newest is not None and distance(began, newest) >= metres
 
+    if by == "Gamepad":
+        plug_in(phone)  # until then there is nothing to choose
     choose(phone, by)
     for _ in range(tries):
         go(phone)
@@ -137,6 +162,21 @@ def drive(phone: Phone, observer: Observer, by: Input, metres: float, tries: int
         print(by, phone.told())
         let_go(phone)
     raise AssertionError(f"not {metres:g} m by {by} in {tries} tries")
+
+
+def each_drives(phone: Phone, observer: Observer, address: str) -> None:
+    """A little by each input but tilt. A gamepad is not let go but unplugged."""
+    kept = os.environ.get("GIRAFF_PICTURES")
+    for by in ("Keys", "Pad", "Gamepad"):
+        drive(phone, observer, by, TURNED, 6)
+        if kept and by == "Gamepad":
+            (Path(kept) / "web-gamepad.png").write_bytes(phone.picture())
+        WAYS[by][1](phone)
+        phone.wait(lambda: is_at_rest(phone, observer), "a robot at rest")
+        if by == "Gamepad":
+            assert phone.violations() == []
+        take(phone, address)
+        phone.wait(lambda: "Not armed." in phone.told(), "a robot that a closed page has left unarmed")
 
 
 def is_at_rest(phone: Phone, observer: Observer) -> bool:
@@ -225,12 +265,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         phone = people.phone()
         take(phone, address)
         bare = address.partition("#")[0]  # the token is spent, and the phone has its cookie
-        for by in ("Keys", "Pad"):
-            drive(phone, observer, by, TURNED, 6)
-            WAYS[by][1](phone)
-            phone.wait(lambda: is_at_rest(phone, observer), "a robot at rest")
-            take(phone, bare)
-            phone.wait(lambda: "Not armed." in phone.told(), "a robot that a closed page has left unarmed")
+        each_drives(phone, observer, bare)
         kept = os.environ.get("GIRAFF_PICTURES")
         looks_on = people.laptop() if kept else None
         if looks_on is not None:

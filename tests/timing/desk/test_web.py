@@ -13,7 +13,7 @@ import pytest
 
 from tests.support.browser import Browser, Phone, browser
 from tests.support.process_robot import ARENA, ProcessRobot, process_robot
-from tests.support.web_page import choose, drive_by_pad, served, take, tap
+from tests.support.web_page import choose, drive, hold_gamepad, plug_in, served, take, tap, unplug
 from tests.timing.faults import OPERATORS, ROBOT_SIDE
 from tests.timing.stalled import by_the_wall
 
@@ -34,11 +34,14 @@ FAULTS: Final[dict[str, Fault]] = {
     "network cut": lambda _robot, _browser, phone: phone.cut(),
     "service killed": lambda robot, _browser, _phone: robot.kill("web"),
     "browser killed": lambda _robot, browser, _phone: browser.kill(),
+    "gamepad's switch let go": lambda _robot, _browser, phone: hold_gamepad(phone, 1.0, held=False),
+    "gamepad unplugged": lambda _robot, _browser, phone: unplug(phone),
 }
 
 MENDED: Final[dict[str, Callable[[Phone], object]]] = {
     "tab hidden": lambda phone: phone.page.bring_to_front(),
     "network cut": lambda phone: phone.cut(off=False),
+    "gamepad unplugged": lambda phone: unplug(phone, off=False),
 }
 
 
@@ -64,8 +67,12 @@ def test_whatever_is_gone_the_robot_stops_in_time(
     fault: str, robot: ProcessRobot, phone_in_hand: tuple[Browser, Phone]
 ) -> None:
     people, phone = phone_in_hand
+    by: Final = "Gamepad" if fault.startswith("gamepad") else "Pad"
+    if by == "Gamepad":
+        plug_in(phone)
+        choose(phone, by)
     with by_the_wall():
-        drive_by_pad(robot, phone, DRIVEN)
+        drive(robot, phone, DRIVEN, by)
         assert robot.simulator.state().speed == pytest.approx(SPEED, abs=0.05)
         begun_us = robot.simulator.now()
         FAULTS[fault](robot, people, phone)
@@ -85,7 +92,7 @@ def test_whatever_is_gone_the_robot_stops_in_time(
 def test_another_fingers_stop_is_in_force_at_once(robot: ProcessRobot, phone_in_hand: tuple[Browser, Phone]) -> None:
     _, phone = phone_in_hand
     with by_the_wall():
-        drive_by_pad(robot, phone, DRIVEN)
+        drive(robot, phone, DRIVEN)
         begun_us = robot.simulator.now()
         tap(phone, "STOP")
         robot.run(AFTER)

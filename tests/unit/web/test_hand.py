@@ -49,7 +49,7 @@ def test_silence_ends_it_until_it_is_put_down_again() -> None:
     assert person.is_holding()
     person.wait(0.01)
     assert (person.is_holding(), person.hand.asks) == (False, (0.0, 0.0))
-    assert "lift" in str(person.hand.lost)
+    assert "hold again" in str(person.hand.lost)
     person.wish(forward=1.0)
     assert (person.is_holding(), person.hand.asks) == (False, (0.0, 0.0))
     person.let_go()
@@ -129,12 +129,12 @@ def test_a_finger_that_is_lifted_has_lost_nothing() -> None:
     assert (person.is_holding(), person.hand.asks, person.hand.lost) == (False, (0.0, 0.0), WELL)
 
 
-@pytest.mark.parametrize("why", ["cancelled", "hidden", "focus", "turned", "idle", "stalled", "left"])
+@pytest.mark.parametrize("why", ["cancelled", "hidden", "focus", "turned", "idle", "stalled", "left", "gamepad"])
 def test_what_the_page_has_lost_is_told(why: str) -> None:
     person = holding()
     person.let_go(why)
     assert not person.is_holding()
-    assert person.hand.lost.remedy == "lift the finger, or the key, and put it down again"
+    assert person.hand.lost.remedy == "let go, then hold again"
 
 
 def test_an_end_that_comes_late_or_again_ends_nothing_new() -> None:

@@ -65,7 +65,7 @@ _WISHES = st.builds(
     n=_NUMBERS,
     tick=st.one_of(st.none(), st.tuples(_DIGITS, _DIGITS), st.just(("7", "1000000000"))),
     hold=st.integers(0, 4),
-    input=st.sampled_from(["tilt", "pad", "keys"]),
+    input=st.sampled_from(["tilt", "pad", "keys", "gamepad"]),
     forward=st.sampled_from([0.0, 1.0, -1.0, 0.3]),
     left=st.sampled_from([0.0, 1.0, -1.0]),
     readings=st.lists(_READINGS, max_size=12).map(tuple),
