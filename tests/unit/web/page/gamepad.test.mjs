@@ -19,7 +19,7 @@ const pad = ({ down = [], x = 0, y = 0, other = 0, ...named } = {}) => ({
   ...named,
 });
 
-/** A page beside which gamepads lie; `now.stops`: how often the stop was pressed. */
+/** A page beside which gamepads lie; `stops`: how often the stop was pressed. */
 class Desk {
   constructor(options = {}) {
     this.p = page({ input: "gamepad", ...options });
@@ -162,6 +162,17 @@ test("of two gamepads only the one whose switch went down first drives", () => {
   desk.frame(one({ down: [RB] }), pad({ index: 1 }));
   desk.frame(one({ down: [RB], y: -1 }), pad({ index: 1 }));
   assert.equal(desk.hold, 0);
+});
+
+test("a finger asks what it asks, whatever a gamepad goes on holding", () => {
+  const desk = driving();
+  desk.p.hand.choose("pad");
+  desk.frames(2, AHEAD);
+  assert.equal(desk.p.down(), true);
+  desk.frames(3, AHEAD);
+  assert.deepEqual([desk.p.last.hold, desk.p.last.forward, desk.p.last.input], [2, 0, "pad"]);
+  desk.frames(2, {});
+  assert.equal(desk.hold, 2, "nor does its release lift the finger");
 });
 
 test("it drives only where it was chosen", () => {
