@@ -81,6 +81,11 @@ def record_all(path: Path, tables: Mapping[str, Mapping[str, Value]], *, kept_as
     return kept
 
 
+def document(path: Path, tables: Mapping[str, Mapping[str, Any]], kept: Path | None) -> dict[str, Any]:
+    """Return what programs are told of tables that `record_all` has written."""
+    return {"robot_file": str(path), "tables": tables, "as_before": None if kept is None else str(kept)}
+
+
 def rehearse(path: Path, tables: Mapping[str, Mapping[str, Value]]) -> None:
     """Raise RobotFileError where the form of the file does not let `record_all` write these tables. Writes nothing."""
     try:

@@ -20,8 +20,11 @@ def obey(app: typer.Typer) -> int:
     try:
         return command.main(prog_name="giraff", standalone_mode=False) or 0
     except typer.TyperException as error:
+        from giraff_cli.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom
+
         path = _path(command, sys.argv[1:])
         if what := plain(error.format_message()).rstrip("."):  # else it has shown the help
+            what = (redirected(what) if "extra argument" in what else "") or what
             print(f"{path}: {what[0].lower()}{what[1:]} (see {path} --help)", file=sys.stderr, flush=True)
         return error.exit_code
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import Connect, Robot, require_extra
+from giraff_cli.options import AsJson, Connect, Robot, require_extra
 
 calibrate = typer.Typer(no_args_is_help=True, help="What a robot truly is, measured and written into the robot file.")
 
@@ -48,36 +48,30 @@ def odometry(  # noqa: PLR0913, PLR0917  one argument an option
             show_default=False,
         ),
     ] = None,
-    json: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="Also write the outcome of recorded runs as JSON, over nothing that is read."
-        ),
-    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Take a wheel that is 5 %, a track that is 10 % other than before.")
     ] = False,
     file: File = None,
     robot: Robot = None,
     connect: Connect = None,
+    as_json: AsJson = False,
 ) -> None:
     """Measure wheels and track: drive lines, turns and squares by what this says; or --fit and --check recorded runs.
 
     Checked runs that end farther off on average than before refuse it, also with --force. Of the robot file only
     the table robot.calibration changes; a copy of it as it was stays beside it.
 
-    Exit code: 0 done, or nothing to gain; 1 refused, nothing written; 2 not begun; 3 the robot file is written, what
-    --json names is not.
+    Exit code: 0 done, or nothing to gain; 1 refused, nothing written; 2 not begun.
     """
     require_extra("calibrate odometry", "numpy", "analysis,cli")
-    if not (fit or check or metadata or json or more):
+    if not (fit or check or metadata or more):
         from giraff_cli.calibrate.guided import calibrate_odometry  # noqa: PLC0415
 
-        raise typer.Exit(calibrate_odometry(robot, connect or (), file, force=force))
+        raise typer.Exit(calibrate_odometry(robot, connect or (), file, force=force, as_json=as_json))
     from giraff_cli.calibrate.recorded.command import Asked, calibrate_recorded  # noqa: PLC0415
 
-    asked = Asked(fit or (), check or (), more or (), metadata, file, json, force, is_live=bool(robot or connect))
-    raise typer.Exit(calibrate_recorded(asked))
+    asked = Asked(fit or (), check or (), more or (), metadata, file, force, is_live=bool(robot or connect))
+    raise typer.Exit(calibrate_recorded(asked, as_json=as_json))
 
 
 @calibrate.command()
@@ -96,6 +90,7 @@ def camera(
     file: File = None,
     robot: Robot = None,
     connect: Connect = None,
+    as_json: AsJson = False,
 ) -> None:
     """Measure a camera: its lens by the board of `giraff camera board`, height and tilt by a sheet of A4 on the floor.
 
@@ -107,7 +102,7 @@ def camera(
     require_extra("calibrate camera", "cv2", "camera,cli")
     from giraff_cli.calibrate.camera.command import calibrate_camera  # noqa: PLC0415
 
-    raise typer.Exit(calibrate_camera(which, pictures, robot, connect or (), file))
+    raise typer.Exit(calibrate_camera(which, pictures, robot, connect or (), file, as_json=as_json))
 
 
 @calibrate.command()
@@ -117,6 +112,7 @@ def joystick(
         typer.Option(metavar="PATH", help="Of the joystick board; else the robot file's.", show_default=False),
     ] = None,
     file: File = None,
+    as_json: AsJson = False,
 ) -> None:
     """Measure how the tilt sensor sits in the joystick: laid flat, tilted forward, tilted to the left.
 
@@ -128,11 +124,11 @@ def joystick(
     require_extra("calibrate joystick", "serial", "serial,cli")
     from giraff_cli.calibrate.joystick.command import calibrate_joystick  # noqa: PLC0415
 
-    raise typer.Exit(calibrate_joystick(port, file))
+    raise typer.Exit(calibrate_joystick(port, file, as_json=as_json))
 
 
 @calibrate.command()
-def ranger(file: File = None, robot: Robot = None, connect: Connect = None) -> None:
+def ranger(file: File = None, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
     """Measure the ultrasonic sensors before a wall: place ahead, axis and scale; y and height by your ruler.
 
     The robot backs 0.8 m, turns to either side, and does the same turned round. A sensor that the wall does not tell
@@ -143,4 +139,4 @@ def ranger(file: File = None, robot: Robot = None, connect: Connect = None) -> N
     require_extra("calibrate ranger", "numpy", "analysis,cli")
     from giraff_cli.calibrate.ranger.command import calibrate_ranger  # noqa: PLC0415
 
-    raise typer.Exit(calibrate_ranger(robot, connect or (), file))
+    raise typer.Exit(calibrate_ranger(robot, connect or (), file, as_json=as_json))

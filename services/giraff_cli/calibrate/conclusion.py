@@ -26,7 +26,6 @@ from giraff_cli.terminal.page import print_wrapped
 DONE: Final = 0
 REFUSED: Final = 1
 UNUSABLE: Final = 2
-ONLY_ROBOT_FILE: Final = 3
 
 _NOT_WRITTEN: Final = "Nothing was written"
 

@@ -14,6 +14,7 @@ from giraff_cli.calibrate.runs import Geometry
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.robot_file import own_robot_file
+from giraff_cli.terminal.document import Report, no_report, print_report
 from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError
@@ -30,9 +31,17 @@ _THEN: Final = (
 _THEN_SIMULATED: Final = "Nothing goes by it yet: end `giraff run` and start it again."
 
 
-def calibrate_odometry(robot: str | None, connect: Sequence[str], file: Path | None, *, force: bool) -> int:
-    """The whole command; its exit code. `file`: as of `own_robot_file`. `force`: scales may be far from before."""
+def calibrate_odometry(
+    robot: str | None, connect: Sequence[str], file: Path | None, *, force: bool, as_json: bool
+) -> int:
+    """Do the whole command; return its exit code.
 
+    `file`: as of `own_robot_file`. `force`: scales may be far from before. `as_json`: the talk goes to standard error.
+    """
+    return print_report(lambda report: _calibrate(robot, connect, file, report, force=force), as_json=as_json)
+
+
+def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, report: Report, *, force: bool) -> int:
     def act(connection: RobotConnection) -> int:
         human = Terminal(sys.stdin, sys.stdout)
         try:
@@ -43,7 +52,7 @@ def calibrate_odometry(robot: str | None, connect: Sequence[str], file: Path | N
             introduce(human, connection.robot, path)
             for words in differences(connection, filed):
                 human.tell(f"{words}: what is found holds for the value of the file.")
-            return guide(human, wheels, connection.robot, filed, path, force=force)
+            return guide(human, wheels, connection.robot, filed, path, force=force, report=report)
         except ConfigError as error:
             return complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
@@ -61,7 +70,16 @@ def introduce(human: Human, robot: str, path: Path) -> None:
     human.tell(f"Robot {robot}; what is found goes into {path}.")
 
 
-def guide(human: Human, source: WheelSource, robot: str, filed: RobotConfig, path: Path, *, force: bool) -> int:
+def guide(
+    human: Human,
+    source: WheelSource,
+    robot: str,
+    filed: RobotConfig,
+    path: Path,
+    *,
+    force: bool,
+    report: Report = no_report,
+) -> int:
     """From the first mark to the robot file at `path`, which says `filed`; the exit code."""
     geometry = Geometry(filed.ticks_per_metre, filed.track_width, filed.calibration.scales)
     try:
@@ -78,6 +96,8 @@ def guide(human: Human, source: WheelSource, robot: str, filed: RobotConfig, pat
         )
     except NobodyError:
         return complain("nobody answers. Nothing was written.", UNUSABLE)
+    if conclusion.outcome:
+        report(conclusion.outcome)
     return conclusion.code
 
 

@@ -37,16 +37,19 @@ def view_camera(
         typer.Option(metavar="FILE", help="No window: write one picture as JPEG, and end.", show_default=False),
     ] = None,
     seconds: Ending = None,
+    as_json: AsJson = False,
 ) -> None:
     """What a camera of the robot sees, live, with its age. The robot says to all who asked for it.
 
     Exit code: 0; 1 there is no picture, with the reason, or the viewer or the disk failed; 2 no robot, no such camera.
     """
+    if as_json and save is None:
+        raise typer.BadParameter("--json tells of a picture that is written: add --save FILE")
     if save is None:
         require_extra("camera view", "rerun", "viewer,cli")
     from giraff_cli.camera.look import view_camera as it  # noqa: PLC0415
 
-    raise typer.Exit(it(name, robot, connect or (), save, seconds))
+    raise typer.Exit(it(name, robot, connect or (), save, seconds, as_json=as_json))
 
 
 @camera.command("board")

@@ -11,6 +11,7 @@ from giraff_cli.camera.hearing import hear_cameras
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.picture_subscriber import PictureSubscriber
+from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.tcp_options import set_tcp_options
@@ -28,9 +29,15 @@ _NO_PICTURE: Final = 1
 
 
 def view_camera(
-    name: str | None, robot: str | None, connect: Sequence[str], save: Path | None, seconds: float | None
+    name: str | None,
+    robot: str | None,
+    connect: Sequence[str],
+    save: Path | None,
+    seconds: float | None,
+    *,
+    as_json: bool,
 ) -> int:
-    """Show it until the end, or save one picture; the exit code."""
+    """Show it until the end, or save one picture; return the exit code."""
     if save is not None and not save.absolute().parent.is_dir():
         return print_error(f"--save {save}: there is no such folder; make it first")
 
@@ -39,7 +46,8 @@ def view_camera(
         camera = choose_camera(connection.robot, states, name)
         with PictureSubscriber.of(connection, "camera view", camera) as pictures:
             if save is not None:
-                return _save(connection, pictures, save, _PICTURE_WITHIN if seconds is None else seconds, stopping)
+                patience = _PICTURE_WITHIN if seconds is None else seconds
+                return _save(connection, pictures, save, patience, stopping, as_json=as_json)
             from giraff_cli.camera.window import show  # noqa: PLC0415  needs the extra `viewer`
 
             return show(connection, pictures, camera, seconds, stopping)
@@ -59,7 +67,13 @@ def choose_camera(robot: str, states: Mapping[str, CameraState], name: str | Non
 
 
 def _save(
-    connection: RobotConnection, pictures: PictureSubscriber, path: Path, seconds: float, stopping: StopSignal
+    connection: RobotConnection,
+    pictures: PictureSubscriber,
+    path: Path,
+    seconds: float,
+    stopping: StopSignal,
+    *,
+    as_json: bool,
 ) -> int:
     """Write one picture; the exit code. `seconds`: how long it is waited for."""
     choice, until = PictureChoice(), time.monotonic() + seconds
@@ -77,5 +91,8 @@ def _save(
     except OSError as error:
         print_error(f"{path} cannot be written: {error.strerror}")
         return _NO_PICTURE
-    print(printable(f"{path}: {taken.width} x {taken.height}, {len(taken.jpeg)} bytes"))
+    if as_json:
+        print_json({"file": str(path), "width": taken.width, "height": taken.height, "bytes": len(taken.jpeg)})
+    else:
+        print(printable(f"{path}: {taken.width} x {taken.height}, {len(taken.jpeg)} bytes"))
     return _DONE

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -18,11 +17,11 @@ from giraff_cli.check.listener import Listener, MuteBoardError
 from giraff_cli.check.quadrature import Channel, Figures, analyse
 from giraff_cli.check.traces import Trace, drawing, traces
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Side
+from giraff_cli.terminal.document import Report, print_report
 from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.fresh_file import require_fresh, write_fresh
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.page import print_table, print_wrapped
-from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.trouble import Trouble
@@ -44,21 +43,15 @@ class _Wheel(NamedTuple):
 
 def check_encoders(port: str | None, svg: Path | None, *, as_json: bool = False) -> int:
     """Do the whole command; return its exit code. `as_json`: the talk goes to standard error."""
-
-    def look() -> int:
-        out = sys.stdout
-        with contextlib.redirect_stdout(sys.stderr if as_json else out):
-            code, wheels = _check(port, svg)
-        if as_json and wheels:
-            print(json_page({side: _as_json(wheel) for side, wheel in wheels.items()}), file=out)
-        return code
-
     gone = "standard output was closed before both wheels were judged; the motors are off"
-    return guard_stdout(look, unfinished=f"giraff check encoders: {gone}")
+    return guard_stdout(
+        lambda: print_report(lambda report: _check(port, svg, report), as_json=as_json),
+        unfinished=f"giraff check encoders: {gone}",
+    )
 
 
-def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Wheel]]:
-    """Return the exit code, and what was found."""
+def _check(port: str | None, svg: Path | None, report: Report) -> int:
+    """Return the exit code, and report what was found."""
     try:
         robot = load("robot", RobotConfig)
         base = load("base", BaseConfig, os.environ, **({"port": port} if port else {}))
@@ -66,12 +59,12 @@ def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Whee
         if svg is not None:
             require_fresh(svg)
     except (ConfigError, OSError, ValueError) as error:
-        return _complain(str(error), NOT_BEGUN), {}
+        return _complain(str(error), NOT_BEGUN)
     port, human = port or base.port, Terminal()
     wheels = dict[Side, _Wheel]()
     try:
         if not ask_lifted(human, port):
-            return _complain("not begun", NOT_BEGUN), {}
+            return _complain("not begun", NOT_BEGUN)
         bench = WheelBench(port, drive.board_type, robot.ticks_per_metre)
         try:
             bench.open()
@@ -84,12 +77,13 @@ def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Whee
             bench.close()
     except MuteBoardError:
         flash = drive.board_type.flash_command(port)
-        return _complain(f"{port}: the board's firmware does not tell transitions; flash it: {flash}", NOT_BEGUN), {}
+        return _complain(f"{port}: the board's firmware does not tell transitions; flash it: {flash}", NOT_BEGUN)
     except (BenchError, DoubtError) as error:
-        return _complain(str(error), NOT_BEGUN), {}
+        return _complain(str(error), NOT_BEGUN)
     except KeyboardInterrupt:
-        return _complain("interrupted; the motors are off.", INTERRUPTED), {}
-    return _conclude(wheels, svg), wheels
+        return _complain("interrupted; the motors are off.", INTERRUPTED)
+    report({side: _as_json(wheel) for side, wheel in wheels.items()})
+    return _conclude(wheels, svg)
 
 
 def _checkable(path: Path, drive: object) -> WheelsConfig:

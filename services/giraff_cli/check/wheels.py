@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Final, TypeVar
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
@@ -24,7 +23,7 @@ from giraff_cli.check.lifted import (
 )
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
 from giraff_cli.robot_file import RobotFileError, before_today, record, still_overriding
-from giraff_cli.terminal.text import json_page
+from giraff_cli.terminal.document import Report, print_report
 from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import table_of_wiring
 from giraff_node.config.robot_file import ConfigError, load, parse_toml, robot_file
@@ -44,16 +43,11 @@ _ENCODER_BIT: Final[dict[Latch, Wiring]] = {
 
 def check_wheels(port: str | None, *, as_json: bool = False) -> int:
     """Do the whole command; return its exit code. `as_json`: the talk goes to standard error."""
-    out = sys.stdout
-    with contextlib.redirect_stdout(sys.stderr if as_json else out):
-        code, found = _check(port)
-    if as_json and found:
-        print(json_page(found), file=out)
-    return code
+    return print_report(lambda report: _check(port, report), as_json=as_json)
 
 
-def _check(port: str | None) -> tuple[int, dict[str, Any]]:
-    """Return the exit code, and what was written where."""
+def _check(port: str | None, report: Report) -> int:
+    """Return the exit code, and report what was written where."""
     try:
         path = robot_file()
         robot = load("robot", RobotConfig)
@@ -61,11 +55,11 @@ def _check(port: str | None) -> tuple[int, dict[str, Any]]:
         table = table_of_wiring(parse_toml(path.read_text(encoding="utf-8")))
         port, drive = port or base.port, _of_wheels(path, base.drive)
     except (ConfigError, OSError, ValueError) as error:
-        return _complain(str(error), NOT_BEGUN), {}
+        return _complain(str(error), NOT_BEGUN)
     human = Terminal()
     try:
         if not ask_lifted(human, port):
-            return _complain("not begun", NOT_BEGUN), {}
+            return _complain("not begun", NOT_BEGUN)
         bench = WheelBench(port, drive.board_type, robot.ticks_per_metre)
         try:
             bench.open()
@@ -74,15 +68,16 @@ def _check(port: str | None) -> tuple[int, dict[str, Any]]:
             bench.close()
         kept = record(path, table, fields, kept_as=before_today())
     except BenchError as error:
-        return _complain(f"{error}. Nothing was written.", NOT_BEGUN), {}
+        return _complain(f"{error}. Nothing was written.", NOT_BEGUN)
     except DoubtError as error:
-        return _complain(f"in doubt: {error}. Nothing was written.", IN_DOUBT), {}
+        return _complain(f"in doubt: {error}. Nothing was written.", IN_DOUBT)
     except RobotFileError as error:
-        return _complain(str(error), IN_DOUBT), {}
+        return _complain(str(error), IN_DOUBT)
     except KeyboardInterrupt:
-        return _complain("interrupted; the motors are off. Nothing was written.", INTERRUPTED), {}
+        return _complain("interrupted; the motors are off. Nothing was written.", INTERRUPTED)
     human.tell(_after(path, kept, fields, os.environ))
-    return DONE, {"robot_file": str(path), "table": table, "wiring": fields}
+    report({"robot_file": str(path), "table": table, "wiring": fields})
+    return DONE
 
 
 def _of_wheels(path: Path, drive: object) -> WheelsConfig:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from giraff_cli.options import AsJson
 
 
 def dst(
     seeds: Annotated[int, typer.Option(metavar="N", min=1, help="How many; of a single one the story is told.")] = 100,
     seed: Annotated[int, typer.Option(metavar="K", min=0, help="The first of them.")] = 0,
-    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the totals as JSON.")] = None,
     jobs: Annotated[int, typer.Option(metavar="J", min=1, help="Processes.")] = os.cpu_count() or 1,
+    as_json: AsJson = False,
 ) -> None:
     """Deterministic simulation of the command path, 20 s a seed, with faults drawn from the seed.
 
@@ -21,4 +22,4 @@ def dst(
     """
     from giraff_cli.dst.explore import explore  # noqa: PLC0415
 
-    raise typer.Exit(explore(seeds, seed, jobs, json))
+    raise typer.Exit(explore(seeds, seed, jobs, as_json=as_json))

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 
-import msgspec
 from rich.console import Console
 
+from giraff_cli.terminal.text import json_page
 from giraff_sim.dst.drill import SECONDS, Outcome
 from giraff_sim.dst.many import Totals, run_many
 from giraff_sim.dst.marks import unreached
@@ -16,9 +15,12 @@ from giraff_sim.dst.scenarios import KINDS
 _FAILED = 1  # exit code
 
 
-def explore(seeds: int, first: int, jobs: int, json: Path | None) -> int:
-    """Run `seeds` seeds from `first` on; the exit code."""
-    console = Console(highlight=False)
+def explore(seeds: int, first: int, jobs: int, *, as_json: bool) -> int:
+    """Run `seeds` seeds from `first` on; return the exit code.
+
+    `as_json`: the totals are printed as one document, and the rest goes to standard error.
+    """
+    console = Console(highlight=False, stderr=as_json)
     totals = Totals()
     began = time.monotonic()
     for outcome in run_many(range(first, first + seeds), jobs):
@@ -26,8 +28,8 @@ def explore(seeds: int, first: int, jobs: int, json: Path | None) -> int:
         if outcome.violations or seeds == 1:
             _tell(console, outcome)
     _sum_up(console, totals, time.monotonic() - began)
-    if json is not None:
-        json.write_bytes(msgspec.json.format(msgspec.json.encode(totals), indent=2) + b"\n")
+    if as_json:
+        print(json_page(totals), flush=True)
     return _FAILED if totals.failures else 0
 
 

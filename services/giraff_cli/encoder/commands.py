@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from giraff_cli.options import AsJson
+
 encoder = typer.Typer(no_args_is_help=True, help="Encoders that one makes oneself: a printed disk before two sensors.")
 
 
@@ -19,11 +21,14 @@ def print_disk(
     outer: Annotated[float, typer.Option(metavar="MM", help="Diameter of the disk.")] = 60.0,
     inner: Annotated[float, typer.Option(metavar="MM", help="Diameter at the inner edge of the inner ring.")] = 30.0,
     hole: Annotated[float, typer.Option(metavar="MM", help="Diameter of the hole for the shaft.")] = 6.0,
+    as_json: AsJson = False,
 ) -> None:
     """Draw an encoder's disk of two black-and-white rings as SVG, to be printed in true size.
 
     Exit code: 0; 1 the file cannot be written, or is there already; 2 no such disk can be made, with the reason.
     """
+    if as_json and file is None:
+        raise typer.BadParameter("--json: name the drawing's file, which is standard output itself without a name")
     from giraff_cli.encoder.disk import print_disk as it  # noqa: PLC0415
 
-    raise typer.Exit(it(file, pairs, outer, inner, hole))
+    raise typer.Exit(it(file, pairs, outer, inner, hole, as_json=as_json))

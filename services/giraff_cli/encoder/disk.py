@@ -5,16 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+import msgspec
 import typer
 
 from giraff_cli.terminal.fresh_file import write_fresh
+from giraff_cli.terminal.page import print_json
 from giraff_core.encoder.disk import Disk, drawing
 
 _COMMAND: Final = "giraff encoder disk"
 
 
-def print_disk(file: Path | None, pairs: int, outer: float, inner: float, hole: float) -> int:
-    """Write the drawing; the exit code."""
+def print_disk(file: Path | None, pairs: int, outer: float, inner: float, hole: float, *, as_json: bool) -> int:
+    """Write the drawing; return the exit code. `as_json`: print the disk as one document."""
     try:
         disk = Disk(pairs=pairs, outer=outer, inner=inner, hole=hole)
     except ValueError as error:
@@ -31,12 +33,30 @@ def print_disk(file: Path | None, pairs: int, outer: float, inner: float, hole: 
     except OSError as error:
         typer.echo(f"{_COMMAND}: {file or 'standard output'} cannot be written: {error.strerror}", err=True)
         return 1
+    if as_json:
+        at_a, at_b = _sensors(disk)
+        print_json(
+            {
+                "file": str(file),
+                **msgspec.structs.asdict(disk),
+                "sensor_a": at_a,
+                "sensor_b": at_b,
+                "states_per_turn": disk.states_per_turn,
+                "ticks_per_turn": disk.ticks_per_turn,
+            }
+        )
+        return 0
     typer.echo("\n".join((f"{file}: a disk of {disk.outer:g} mm with {disk.pairs} pairs", *_steps(disk))))
     return 0
 
 
+def _sensors(disk: Disk) -> tuple[float, ...]:
+    """Return the distances of sensors A and B from the centre, mm."""
+    return tuple((inside + outside) / 2.0 for inside, outside in disk.rings)
+
+
 def _steps(disk: Disk) -> tuple[str, ...]:
-    a, b = (f"{(inside + outside) / 2.0:.1f}" for inside, outside in disk.rings)
+    a, b = (f"{radius:.1f}" for radius in _sensors(disk))
     return (
         "1. Print it at 100 %, not fitted to the page, and measure the ruler: 100 mm.",
         "2. Glue it onto something flat and stiff, cut along both circles, and fix it on the shaft, centred.",

@@ -17,6 +17,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from giraff_cli.terminal.output import discard_stdout
+from giraff_cli.terminal.text import json_line
 
 _MARK: Final = "page: "
 """Before an address where there is no terminal: for programs."""
@@ -63,6 +64,14 @@ def tell(addresses: Sequence[str]) -> None:
             for address in of_this_host(addresses):
                 print(f"{_MARK}{address}")
         sys.stdout.flush()
+    except OSError:
+        discard_stdout()
+
+
+def tell_programs(addresses: Sequence[str]) -> None:
+    """Print them as one object on a line, the loopback's first. A reader that has gone ends nothing."""
+    try:
+        print(json_line({"addresses": of_this_host(addresses)}), flush=True)
     except OSError:
         discard_stdout()
 

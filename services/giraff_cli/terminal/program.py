@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import sys
+from collections.abc import Container
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -27,3 +30,13 @@ def called_anywhere() -> list[str]:
     if on_path is not None and not os.environ.get("VIRTUAL_ENV") and program.samefile(on_path):
         return [_NAME]
     return [str(program)]
+
+
+def redirected(stray: Container[str]) -> str:
+    """Return how `--json FILE` is written, where FILE is among the stray words or in the text; empty: it is not."""
+    words = sys.argv[1:]
+    for at, (option, file) in enumerate(pairwise(words)):
+        if option == "--json" and file in stray:
+            typed = shlex.join([*called_here(), *words[: at + 1], *words[at + 2 :]])
+            return f"--json prints; write it as: {typed} > {shlex.quote(file)}"
+    return ""

@@ -13,6 +13,7 @@ from giraff_base.drives.balancer.stability import DELAYS, MARGIN, Gains, Loop
 from giraff_cli.network.command import print_error
 from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.output import guard_stdout
+from giraff_cli.terminal.page import print_json
 from giraff_cli.tune.curve import draw_curves
 from giraff_cli.tune.gains import gains_of
 from giraff_cli.tune.step import SECONDS, STEP, Response, respond_to_step
@@ -44,8 +45,8 @@ class FiledBody(BalancingBody, frozen=True, kw_only=True):
         return None if k1 is None or k2 is None or k3 is None or k4 is None else Gains(k1, k2, k3, k4)
 
 
-def tune_balance(file: Path | None) -> int:
-    """Return the exit code."""
+def tune_balance(file: Path | None, *, as_json: bool) -> int:
+    """Return the exit code of the whole command. `as_json`: print the gains and what they do as one document."""
     environment = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
     try:
         settings = read(environment)
@@ -57,6 +58,14 @@ def tune_balance(file: Path | None) -> int:
         return print_error(f"{settings.place('base')}: {error}")
 
     def tell() -> int:
+        if as_json:
+            print_json(
+                {
+                    "robot_file": settings.where,
+                    **{name.replace(" ", "_"): judged(body, gains) for name, gains in rows_of(body).items()},
+                }
+            )
+            return 0
         for line in told(settings.where, body, dots=takes_dots()):
             print(line)
         return 0
@@ -64,12 +73,34 @@ def tune_balance(file: Path | None) -> int:
     return guard_stdout(tell)
 
 
+def rows_of(body: FiledBody) -> dict[str, Gains]:
+    """Return the computed gains, and those of the file where they are others."""
+    computed = Gains(*(float(f"{gain:.4g}") for gain in gains_of(body)))
+    filed = body.gains
+    return (
+        {"computed": computed} if filed is None or filed == computed else {"computed": computed, "in the file": filed}
+    )
+
+
+def judged(body: FiledBody, gains: Gains) -> dict[str, Any]:
+    """Return the gains and what a robot does with them: m, rad, s and N m."""
+    loop = Loop(body.mechanics, gains)
+    response = respond_to_step(body, gains) if loop.holds() else None
+    return {
+        **gains._asdict(),
+        "holds": loop.holds(),
+        "has_margin": loop.has_margin,
+        "step": STEP,
+        "settled": response and response.settled,
+        "lean": response and response.lean,
+        "torque": response and response.torque,
+    }
+
+
 def told(where: str, body: FiledBody, *, dots: bool) -> Iterator[str]:
     """Return the lines of the report."""
-    computed = Gains(*(float(f"{gain:.4g}") for gain in gains_of(body)))
-    rows = {"computed": computed}
-    if body.gains is not None and body.gains != computed:
-        rows["in the file"] = body.gains
+    rows = rows_of(body)
+    computed = rows["computed"]
     is_same = ", and those of the file are the same" if body.gains == computed else ""
     yield f"{where}: gains computed from the physics{is_same}"
     yield ""

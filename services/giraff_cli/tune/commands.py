@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import Connect, Robot, require_extra
+from giraff_cli.options import AsJson, Connect, Robot, require_extra
 
 tune = typer.Typer(no_args_is_help=True, help="Find gains of a robot: see docs/commissioning.md, and docs/balancer.md.")
 
@@ -23,6 +23,7 @@ def balance(
         Path | None,
         typer.Option(metavar="PATH", help="A robot file; else GIRAFF_CONFIG's.", show_default=False),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Compute k1 to k4 of a robot that balances from the masses and lengths of its robot file, and draw a step of 5 cm.
 
@@ -31,7 +32,7 @@ def balance(
     require_extra("tune balance", "numpy", "analysis,cli")
     from giraff_cli.tune.balance import tune_balance  # noqa: PLC0415
 
-    raise typer.Exit(tune_balance(file))
+    raise typer.Exit(tune_balance(file, as_json=as_json))
 
 
 @tune.command()
@@ -46,6 +47,7 @@ def speed(
     ] = None,
     robot: Robot = None,
     connect: Connect = None,
+    as_json: AsJson = False,
 ) -> None:
     """Find the gains by which the board of a robot on two wheels holds their speeds: it drives 0.5 m ahead and back.
 
@@ -57,4 +59,4 @@ def speed(
     require_extra("tune speed", "numpy", "analysis,cli")
     from giraff_cli.tune.speed import tune_speed  # noqa: PLC0415
 
-    raise typer.Exit(tune_speed(robot, connect or (), file))
+    raise typer.Exit(tune_speed(robot, connect or (), file, as_json=as_json))

@@ -13,7 +13,16 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record, rehearse, still_overriding
+from giraff_cli.robot_file import (
+    RobotFileError,
+    before_today,
+    document,
+    own_robot_file,
+    record,
+    rehearse,
+    still_overriding,
+)
+from giraff_cli.terminal.document import Report, no_report, print_report
 from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
@@ -44,9 +53,15 @@ class Driven(Protocol):
     def drive(self) -> None: ...
 
 
-def tune_speed(robot: str | None, connect: Sequence[str], file: Path | None) -> int:
-    """Return the exit code of the whole command. `file`: as of `own_robot_file`."""
+def tune_speed(robot: str | None, connect: Sequence[str], file: Path | None, *, as_json: bool = False) -> int:
+    """Return the exit code of the whole command. `file`: as of `own_robot_file`.
 
+    `as_json`: the talk goes to standard error.
+    """
+    return print_report(lambda report: _tune(robot, connect, file, report), as_json=as_json)
+
+
+def _tune(robot: str | None, connect: Sequence[str], file: Path | None, report: Report) -> int:
     def act(connection: RobotConnection) -> int:
         try:
             path, filed = own_robot_file(connection.robot, file)
@@ -58,7 +73,7 @@ def tune_speed(robot: str | None, connect: Sequence[str], file: Path | None) -> 
                     f"no wheels of {connection.robot} are heard; check that giraff_base runs, and the network to it",
                     UNUSABLE,
                 )
-            return converse(Terminal(sys.stdin, sys.stdout), driven, connection.robot, filed, drive, path)
+            return converse(Terminal(sys.stdin, sys.stdout), driven, connection.robot, filed, drive, path, report)
         except (ConfigError, RobotFileError) as error:
             return complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
@@ -85,7 +100,15 @@ def drive_of(path: Path) -> WheelsConfig:
     return drive
 
 
-def converse(human: Human, driven: Driven, robot: str, filed: RobotConfig, drive: WheelsConfig, path: Path) -> int:
+def converse(
+    human: Human,
+    driven: Driven,
+    robot: str,
+    filed: RobotConfig,
+    drive: WheelsConfig,
+    path: Path,
+    report: Report = no_report,
+) -> int:
     """Ask, drive, tell, ask and write; the exit code."""
     human.tell(
         f"Robot {robot}; what is found goes into {path}. It drives {DISTANCE:g} m straight ahead and back, "
@@ -130,6 +153,7 @@ def converse(human: Human, driven: Driven, robot: str, filed: RobotConfig, drive
         for line in by_hand:
             print(printable(line), file=sys.stderr, flush=True)
         return REFUSED
+    report(document(path, {_TABLE: found}, kept))
     human.tell(f"Written: [{_TABLE}] of {path}; as it was before: {kept}. {_THEN}")
     if overriding := still_overriding({_TABLE: found}, os.environ):
         human.tell(overriding)

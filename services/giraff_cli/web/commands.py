@@ -21,6 +21,9 @@ def web(
         str | None,
         typer.Option(metavar="DEVICE", help="End one of them: its number, device or address.", show_default=False),
     ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="For programs: the addresses as an object a line, or the pages.")
+    ] = False,
 ) -> None:
     """Serve a page for phones and laptops: watch, STOP and drive a robot; no robot file is needed.
 
@@ -38,9 +41,9 @@ def web(
             raise typer.BadParameter("--devices and --end each stand alone: they ask the page services of this host")
         from giraff_cli.web import devices as pages  # noqa: PLC0415
 
-        raise typer.Exit(pages.list_devices() if end is None else pages.end_device(end))
+        raise typer.Exit(pages.list_devices(as_json=as_json) if end is None else pages.end_device(end, as_json=as_json))
     for library in ("aiohttp", "cryptography", "segno"):
         require_extra("web", library, "cli,web")
     from giraff_cli.web.serve import serve  # noqa: PLC0415
 
-    raise typer.Exit(serve(robot, connect or (), port))
+    raise typer.Exit(serve(robot, connect or (), port, as_json=as_json))

@@ -5,11 +5,13 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
+
+import msgspec
 
 from giraff_cli.network.command import UNUSABLE, print_error
 from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.page import print_table
+from giraff_cli.terminal.page import print_json, print_table
 from giraff_cli.terminal.text import duration
 from giraff_schemas.text import printable
 from giraff_web.messages import OpenPage
@@ -41,14 +43,14 @@ class _Found(NamedTuple):
         return wanted.strip().casefold() in (name.casefold() for name in names if name)
 
 
-def list_devices() -> int:
-    """Print the open pages; the exit code."""
-    return guard_stdout(lambda: _list(*_ask_all()))
+def list_devices(*, as_json: bool) -> int:
+    """Print the open pages; return the exit code."""
+    return guard_stdout(lambda: _list(*_ask_all(), as_json=as_json))
 
 
-def end_device(device: str) -> int:
-    """End the only page that is called so; the exit code."""
-    return guard_stdout(lambda: _end(device, *_ask_all()))
+def end_device(device: str, *, as_json: bool) -> int:
+    """End the only page that is called so; return the exit code."""
+    return guard_stdout(lambda: _end(device, *_ask_all(), as_json=as_json))
 
 
 def _ask_all() -> tuple[dict[Path, Answer], list[str]]:
@@ -77,7 +79,10 @@ def _why(path: Path, error: OSError | ValueError) -> str:
     return f"{path}: no page service of this version answers there; start it again"
 
 
-def _list(answers: dict[Path, Answer], faults: Sequence[str]) -> int:
+def _list(answers: dict[Path, Answer], faults: Sequence[str], *, as_json: bool) -> int:
+    if as_json and answers:
+        print_json([_as_object(answer) for answer in answers.values()])
+        return _told(answers, faults)
     for answer in answers.values():
         print(
             f"{printable(answer.robot)}, port {answer.port}: {'' if answer.pages else 'no page is open'}".rstrip(": ")
@@ -87,6 +92,14 @@ def _list(answers: dict[Path, Answer], faults: Sequence[str]) -> int:
                 (">page", "device", "address", ">open for", "state"), (_row(answer, page) for page in answer.pages)
             )
     return _told(answers, faults)
+
+
+def _as_object(answer: Answer) -> dict[str, Any]:
+    return {
+        "robot": answer.robot,
+        "port": answer.port,
+        "pages": [{**msgspec.structs.asdict(page), "drives": page.page == answer.driver} for page in answer.pages],
+    }
 
 
 def _row(answer: Answer, page: OpenPage) -> tuple[str, ...]:
@@ -102,7 +115,7 @@ def _told(answers: dict[Path, Answer], faults: Sequence[str]) -> int:
     return _DONE if answers else UNUSABLE
 
 
-def _end(wanted: str, answers: dict[Path, Answer], faults: Sequence[str]) -> int:
+def _end(wanted: str, answers: dict[Path, Answer], faults: Sequence[str], *, as_json: bool) -> int:
     if not answers:
         return _told(answers, faults)
     pages = [_Found(path, answer, page) for path, answer in answers.items() for page in answer.pages]
@@ -118,7 +131,10 @@ def _end(wanted: str, answers: dict[Path, Answer], faults: Sequence[str]) -> int
         ended = ask(page.path, Ask(end=page.page.page)).ended
     except (OSError, ValueError) as error:
         return print_error(_why(page.path, error))
-    print(f"{_name(page)} {'is ended' if ended else 'was closed already'}")
+    if as_json:
+        print_json({"port": page.of.port, "page": page.page.page, "device": page.page.device, "ended": ended})
+    else:
+        print(f"{_name(page)} {'is ended' if ended else 'was closed already'}")
     return _DONE
 
 

@@ -22,22 +22,26 @@ _PATIENCE: Final = 3.0  # s, for a robot to be found
 _DONE: Final = 0
 
 
-def serve(robot: str | None, connect: Sequence[str], port: int | None) -> int:
-    """Until Ctrl-C; the exit code. `port`: None: the usual one, or any where somebody has that."""
+def serve(robot: str | None, connect: Sequence[str], port: int | None, *, as_json: bool) -> int:
+    """Serve until Ctrl-C; return the exit code.
+
+    `port`: None: the usual one, or any where somebody has that. `as_json`: print the addresses as an object a line.
+    """
 
     def act(connection: RobotConnection) -> int:
         limits = ask_limits(connection, "web")
         usual = WebConfig()
         config = WebConfig(port=port_or_any(usual.port) if port is None else port)
-        return _serve(connection, Settings(config, limits, connection.network))
+        return _serve(connection, Settings(config, limits, connection.network), as_json=as_json)
 
     # A page stays for days. Its stop must not be the simulation's when the robot has come.
     return run_with_robot(robot, connect, _PATIENCE, act, moves=True, stands_in=False)
 
 
-def _serve(connection: RobotConnection, settings: Settings[WebConfig]) -> int:
+def _serve(connection: RobotConnection, settings: Settings[WebConfig], *, as_json: bool) -> int:
     # The services' runtime from here on, with its signals: whatever ends it, the robot is told first.
     session = open_hand(connection.network, connection.robot, connection.session)
     with Node(WEB.name, settings, session=session) as node:
-        run_web(node, lambda told: addresses.tell(addresses.with_loopback(told)))
+        tell = addresses.tell_programs if as_json else addresses.tell
+        run_web(node, lambda told: tell(addresses.with_loopback(told)))
     return _DONE

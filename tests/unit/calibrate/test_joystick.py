@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 import random
 import re
@@ -188,9 +189,14 @@ def test_a_tilt_asks_for_its_own_direction_however_the_sensor_sits(
         ((X, minus(Z), Y), "on edge, facing left"),
     ],
 )
-def test_it_is_told_in_words(sits: Rows, words: str, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_told_in_words(
+    sits: Rows, words: str, path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr(Link, "truth", Truth(sits, (2.1, 0.0)))
-    assert command.calibrate_joystick(None, path) == 0
+    assert command.calibrate_joystick(None, path, as_json=True) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["tables"]["joystick"].keys() == {"mount_roll", "mount_pitch", "mount_yaw"}
+    assert told["robot_file"] == str(path)
     assert f"The sensor is {words}, and 2.1° off level." in Person.told
 
 

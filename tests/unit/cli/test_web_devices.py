@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -69,6 +70,11 @@ def test_the_open_pages_are_listed(giraff: Call, services: dict[Path, Service | 
         ["1", "iPhone", "10.0.0.7", "1 min 01 s", "drives"],
         ["2", "Firefox on Linux", "10.0.0.8", "2 min 02 s", "may drive"],
         ["3", "Edge", "10.0.0.9", "3 min 03 s", "watches"],
+    ]
+    told = json.loads(giraff("web", "--devices", "--json")[1])
+    assert [(each["port"], [page["drives"] for page in each["pages"]]) for each in told] == [
+        (8443, [True, False, False]),
+        (40123, []),
     ]
 
 

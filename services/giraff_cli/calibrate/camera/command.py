@@ -17,7 +17,8 @@ from giraff_cli.calibrate.guided import introduce
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record
+from giraff_cli.robot_file import RobotFileError, before_today, document, own_robot_file, record
+from giraff_cli.terminal.document import Report, no_report, print_report
 from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
@@ -53,10 +54,27 @@ class LivePictures:
 
 
 def calibrate_camera(
-    name: str | None, folder: Path | None, robot: str | None, connect: Sequence[str], file: Path | None
+    name: str | None,
+    folder: Path | None,
+    robot: str | None,
+    connect: Sequence[str],
+    file: Path | None,
+    *,
+    as_json: bool = False,
 ) -> int:
-    """Do the whole command; return its exit code. `file`: as of `own_robot_file`."""
+    """Do the whole command; return its exit code. `file`: as of `own_robot_file`.
 
+    `as_json`: the talk goes to standard error.
+    """
+    return print_report(
+        lambda report: _calibrate(name, folder, robot, connect, file, report),
+        as_json=as_json,
+    )
+
+
+def _calibrate(
+    name: str | None, folder: Path | None, robot: str | None, connect: Sequence[str], file: Path | None, report: Report
+) -> int:
     def act(connection: RobotConnection) -> int:
         try:
             path, filed = own_robot_file(connection.robot, file)
@@ -66,7 +84,7 @@ def calibrate_camera(
             by = f"giraff calibrate, {user_at_host()}"
             client = PictureClient(connection.network, connection.robot, which, by)
             try:
-                return guide(human, which, camera, path, measure_live(LivePictures(client)))
+                return guide(human, which, camera, path, measure_live(LivePictures(client)), report)
             finally:
                 client.close()
         except (ConfigError, UnusableError) as error:
@@ -80,7 +98,7 @@ def calibrate_camera(
                 return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
             path, filed = own_robot_file("", file)
             which, camera = choose(filed, name)
-            return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_folder(folder))
+            return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_folder(folder), report)
         except (ConfigError, UnusableError) as error:
             return complain(str(error), _UNUSABLE)
         except KeyboardInterrupt:
@@ -119,7 +137,7 @@ def measure_folder(folder: Path) -> Measure:
     return measure
 
 
-def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure) -> int:
+def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure, report: Report = no_report) -> int:
     """Measure, tell, ask and write; return the exit code."""
     try:
         fit, poses = measure(human, lens_of(camera))
@@ -127,14 +145,16 @@ def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure)
         human.tell(in_words(camera, after, fit, poses))
         if not agrees(human, f"Write into {path}? [yes/no]"):
             return complain("not wanted. Nothing was written.", _REFUSED)
-        kept = record(path, f"robot.sensors.{name}", changed(after), kept_as=before_today())
+        table, fields = f"robot.sensors.{name}", changed(after)
+        kept = record(path, table, fields, kept_as=before_today())
     except UnusableError as error:
         return complain(f"{error}. Nothing was written.", _REFUSED)
     except NobodyError:
         return complain("nobody answers. Nothing was written.", _UNUSABLE)
     except RobotFileError as error:
         return complain(str(error), _REFUSED)
-    human.tell(f"Written: [robot.sensors.{name}] of {path}; as it was before: {kept}. {_THEN}")
+    report(document(path, {table: fields}, kept))
+    human.tell(f"Written: [{table}] of {path}; as it was before: {kept}. {_THEN}")
     return _DONE
 
 

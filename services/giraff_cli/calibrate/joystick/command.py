@@ -21,7 +21,8 @@ from giraff_cli.calibrate.joystick.attitude import (
     require_tilt,
 )
 from giraff_cli.calibrate.joystick.board import BoardError, TiltBoard
-from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record, still_overriding
+from giraff_cli.robot_file import RobotFileError, before_today, document, own_robot_file, record, still_overriding
+from giraff_cli.terminal.document import Report, no_report, print_report
 from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.mount import Mount
@@ -40,8 +41,15 @@ _FORWARD: Final = "Tilt it forward, nose down, by about 30 degrees, hold it stil
 _LEFT: Final = "Lay it flat again, then tilt it to the left by about 30 degrees, hold it still, and press ENTER."
 
 
-def calibrate_joystick(port: str | None, file: Path | None) -> int:
-    """Do the whole command; return its exit code. `file`: as of `own_robot_file`."""
+def calibrate_joystick(port: str | None, file: Path | None, *, as_json: bool = False) -> int:
+    """Do the whole command; return its exit code. `file`: as of `own_robot_file`.
+
+    `as_json`: the talk goes to standard error.
+    """
+    return print_report(lambda report: _calibrate(port, file, report), as_json=as_json)
+
+
+def _calibrate(port: str | None, file: Path | None, report: Report) -> int:
     with signals_interrupt():
         try:
             path, port = _settings(port, file)
@@ -50,7 +58,7 @@ def calibrate_joystick(port: str | None, file: Path | None) -> int:
                 next(board.readings())
                 human = Terminal(sys.stdin, sys.stdout)
                 human.tell(f"Joystick board on {port}; what is found goes into {path}.")
-                return guide(human, board, path)
+                return guide(human, board, path, report)
             finally:
                 board.close()
         except (ConfigError, BoardError) as error:
@@ -69,7 +77,7 @@ def _settings(port: str | None, file: Path | None) -> tuple[Path, str]:
     return path, port or config.port
 
 
-def guide(human: Human, board: TiltBoard, path: Path) -> int:
+def guide(human: Human, board: TiltBoard, path: Path, report: Report = no_report) -> int:
     """Measure, tell, ask and write; return the exit code."""
     try:
         flat = _pose(human, board, _FLAT)
@@ -86,6 +94,7 @@ def guide(human: Human, board: TiltBoard, path: Path) -> int:
         return _complain("nobody answers. Nothing was written.", _UNUSABLE)
     except RobotFileError as error:
         return _complain(str(error), _REFUSED)
+    report(document(path, {"joystick": _fields(found)}, kept))
     human.tell(f"Written: [joystick] of {path}; as it was before: {kept}. giraff_joystick goes by it when it starts.")
     if overriding := still_overriding({"joystick": _fields(found)}, os.environ):
         human.tell(overriding)

@@ -14,7 +14,16 @@ from giraff_cli.calibrate.ranger.procedure import PINGS, Stand, StoppedError, me
 from giraff_cli.calibrate.ranger.stand import NetworkStand
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.robot_file import RobotFileError, before_today, own_robot_file, record_all, rehearse, still_overriding
+from giraff_cli.robot_file import (
+    RobotFileError,
+    before_today,
+    document,
+    own_robot_file,
+    record_all,
+    rehearse,
+    still_overriding,
+)
+from giraff_cli.terminal.document import Report, no_report, print_report
 from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
@@ -37,9 +46,15 @@ class LeasedStand(Stand, Protocol):
         ...
 
 
-def calibrate_ranger(robot: str | None, connect: Sequence[str], file: Path | None) -> int:
-    """Do the whole command; return its exit code. `file`: as of `own_robot_file`."""
+def calibrate_ranger(robot: str | None, connect: Sequence[str], file: Path | None, *, as_json: bool = False) -> int:
+    """Do the whole command; return its exit code. `file`: as of `own_robot_file`.
 
+    `as_json`: the talk goes to standard error.
+    """
+    return print_report(lambda report: _calibrate(robot, connect, file, report), as_json=as_json)
+
+
+def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, report: Report) -> int:
     def act(connection: RobotConnection) -> int:
         try:
             path, filed = own_robot_file(connection.robot, file)
@@ -47,7 +62,7 @@ def calibrate_ranger(robot: str | None, connect: Sequence[str], file: Path | Non
             stand = NetworkStand(connection)
             stand.place()
             introduce(human, connection.robot, path)
-            return guide(human, stand, filed, path)
+            return guide(human, stand, filed, path, report=report)
         except ConfigError as error:
             return complain(str(error), _UNUSABLE)
         except StoppedError as error:
@@ -64,7 +79,14 @@ def calibrate_ranger(robot: str | None, connect: Sequence[str], file: Path | Non
             return _interrupted()
 
 
-def guide(human: Human, stand: LeasedStand, filed: RobotConfig, path: Path, pings: int = PINGS) -> int:
+def guide(
+    human: Human,
+    stand: LeasedStand,
+    filed: RobotConfig,
+    path: Path,
+    pings: int = PINGS,
+    report: Report = no_report,
+) -> int:
     """Measure, tell, ask and write into `path`, which says `filed`; return the exit code. Raises ConfigError."""
     guard = load("guard", GuardConfig, {**os.environ, "GIRAFF_CONFIG": str(path)})
     try:
@@ -96,7 +118,7 @@ def guide(human: Human, stand: LeasedStand, filed: RobotConfig, path: Path, ping
         return complain(f"{error}. Nothing was written.", _REFUSED)
     except NobodyError:
         return complain("nobody answers. Nothing was written.", _UNUSABLE)
-    return _write(human, tables, path)
+    return _write(human, tables, path, report)
 
 
 def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict[str, dict[str, float]]:
@@ -111,13 +133,14 @@ def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict
     return tables
 
 
-def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path) -> int:
+def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path, report: Report) -> int:
     """Write all at once."""
     named = {_table(name): fields for name, fields in tables.items()}
     try:
         kept = record_all(path, named, kept_as=before_today())
     except RobotFileError as error:
         return complain(str(error), _REFUSED)
+    report(document(path, named, kept))
     human.tell(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
     if overriding := still_overriding(named, os.environ):
         human.tell(overriding)

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import contextlib
 import glob
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import msgspec
-
-from giraff_cli.calibrate.conclusion import DONE, ONLY_ROBOT_FILE, REFUSED, UNUSABLE, complain, conclude
+from giraff_cli.calibrate.conclusion import UNUSABLE, complain, conclude
 from giraff_cli.calibrate.recorded.slips import require_plausible
 from giraff_cli.calibrate.recorded.tables import RecordingError, as_run, read_metadata, read_table
 from giraff_cli.calibrate.runs import Geometry, Run
+from giraff_cli.terminal.document import Report, print_report
+from giraff_cli.terminal.program import redirected
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
-from giraff_node.process.state import write_file_durably
 
 
 class Asked(NamedTuple):
@@ -31,33 +29,34 @@ class Asked(NamedTuple):
     """None: the runs are those of the robot of the robot file, which is told what was found."""
     file: Path | None
     """The robot file; None: this machine's."""
-    json: Path | None
     force: bool
     is_live: bool
     """A robot on the network was asked for, too."""
 
 
-def calibrate_recorded(asked: Asked) -> int:
-    """The whole command; its exit code."""
+def calibrate_recorded(asked: Asked, *, as_json: bool) -> int:
+    """Do the whole command; return its exit code. `as_json`: the outcome is printed, and the rest told beside it."""
+    return print_report(lambda report: _calibrate(asked, report), as_json=as_json)
+
+
+def _calibrate(asked: Asked, report: Report) -> int:
     try:
         _require_sense(asked)
         fit_files, check_files = files_of("--fit", asked.fitted), files_of("--check", asked.checked)
-        if asked.json is not None:
-            _require_room(
-                asked.json, [*fit_files, *check_files, *([asked.metadata] if asked.metadata else [])], asked.file
-            )
         path, geometry = (None, read_metadata(asked.metadata)) if asked.metadata is not None else _own(asked.file)
         runs = read_runs([*fit_files, *check_files], geometry)
         to_fit, to_check = runs[: len(fit_files)], runs[len(fit_files) :]
     except (RecordingError, ConfigError) as error:
         return complain(str(error), UNUSABLE)
     conclusion = conclude(to_fit, to_check, geometry, path, force=asked.force)
-    if asked.json is None or not conclusion.outcome:
-        return conclusion.code
-    return _tell_programs(asked.json, conclusion.outcome) or conclusion.code
+    if conclusion.outcome:
+        report(conclusion.outcome)
+    return conclusion.code
 
 
 def _require_sense(asked: Asked) -> None:
+    if form := redirected(asked.more):
+        raise RecordingError(form)
     if asked.more:
         raise RecordingError(
             f"{asked.more[0]} belongs to no option; put a pattern in quotes, like --fit 'a*.csv', or give --fit or "
@@ -67,29 +66,6 @@ def _require_sense(asked: Asked) -> None:
         raise RecordingError("--metadata is of another robot, whose robot file is not written; leave --file out")
     if asked.is_live:
         raise RecordingError("--robot and --connect are for a live robot; leave them out with recorded runs")
-
-
-def _require_room(outcome: Path, read: Sequence[Path], file: Path | None) -> None:
-    """RecordingError where the outcome cannot be written, or would be over what is read or the robot file."""
-    others = [*read]
-    with contextlib.suppress(ConfigError):  # told where it is needed
-        others.append(file or robot_file())
-    try:
-        for other in others if outcome.exists() else ():
-            if other.exists() and outcome.samefile(other):
-                raise RecordingError(
-                    f"--json {outcome} is {other}, which it would overwrite; give it a name of its own"
-                )
-        if outcome.exists() and not outcome.is_file():
-            raise RecordingError(f"--json {outcome}: is no file; name one, which need not be there")
-        folder = outcome.resolve().parent
-        if not folder.is_dir():
-            raise RecordingError(f"--json {outcome}: there is no such folder; make it, or name another")
-    except (OSError, RuntimeError) as error:  # the latter: links in a circle
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise RecordingError(f"--json {outcome}: cannot be written: {reason}") from error
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise RecordingError(f"--json {outcome}: its folder cannot be written; name another")
 
 
 def files_of(option: str, words: Sequence[str]) -> list[Path]:
@@ -130,15 +106,3 @@ def _own(file: Path | None) -> tuple[Path, Geometry]:
     environment = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
     robot = load("robot", RobotConfig, environment)
     return robot_file(environment), Geometry(robot.ticks_per_metre, robot.track_width, robot.calibration.scales)
-
-
-def _tell_programs(path: Path, outcome: dict[str, Any]) -> int:
-    try:
-        write_file_durably(path, msgspec.json.format(msgspec.json.encode(outcome), indent=2) + b"\n")
-    except OSError as error:
-        reason = f"{path}: cannot be written: {error.strerror or error}"
-        if outcome["robot_file"]:
-            told = f"{outcome['robot_file']} is written, this is not; all that was found stands above"
-            return complain(f"{reason}; {told}", ONLY_ROBOT_FILE)
-        return complain(f"{reason}; give --json another file", REFUSED)
-    return DONE

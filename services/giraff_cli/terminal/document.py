@@ -1,0 +1,37 @@
+"""The JSON document of a command that talks with a person before it can tell anything to a program."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable
+from typing import Any, TextIO
+
+from giraff_cli.terminal.output import DONE, guard_stdout
+from giraff_cli.terminal.text import json_page
+
+Report = Callable[[Any], None]
+"""Takes the document of a command. The last one counts."""
+
+
+def no_report(_document: Any) -> None:
+    """Drop a document that no program has asked for."""
+
+
+def print_report(act: Callable[[Report], int], *, as_json: bool) -> int:
+    """Return the exit code of `act`. With `as_json` its talk goes to standard error, and its document is printed.
+
+    Nothing is printed where `act` reports no document.
+    """
+    documents: list[Any] = []
+    out = sys.stdout
+    with contextlib.redirect_stdout(sys.stderr if as_json else out):
+        code = act(documents.append)
+    if not (as_json and documents):
+        return code
+    return guard_stdout(lambda: _print(documents[-1], out)) or code
+
+
+def _print(document: Any, out: TextIO) -> int:
+    print(json_page(document), file=out)
+    return DONE
