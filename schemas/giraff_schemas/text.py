@@ -1,9 +1,12 @@
-"""Text that others have written: made fit for a terminal and a log, and in our words. The only place that does so."""
+"""Text that others have written: made fit for a terminal and a log, and in our words. The only place that does so.
+
+And the only one that tells which word was meant where one is mistyped.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 _Rows = tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...]
@@ -99,6 +102,19 @@ def plain(error: Exception | str) -> str:
         return f"{field} in {place}" if place else field
     ours = _by(_TEXTS, what) or what
     return f"{place}: {ours}" if place else ours
+
+
+def near(word: str, known: Iterable[str], most: int = 1, cutoff: float = 0.6) -> list[str]:
+    """Return the known words that may be meant, the nearest first. `cutoff`: least share of letters in common."""
+    import difflib  # noqa: PLC0415  for what is mistyped, which is seldom
+
+    return difflib.get_close_matches(word, [*known], n=most, cutoff=cutoff)
+
+
+def meant(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return a question for the known words that are near, with a blank behind it; empty: none is."""
+    found = near(word, known, 2, cutoff)
+    return f"did you mean {' or '.join(found)}? " if found else ""
 
 
 def _by(rows: _Rows, said: str) -> str:

@@ -51,7 +51,9 @@ Listen = Annotated[
 ]
 Topics = Annotated[
     list[str] | None,
-    typer.Option(metavar="KEY", help="Only these: odom, range/*; once for each.", show_default=False),
+    typer.Option(
+        metavar="KEY", help="Only these: odom, range/*, giraff/ROBOT/odom; once for each.", show_default=False
+    ),
 ]
 
 NEGATIVE: Final = {"ignore_unknown_options": True}

@@ -14,7 +14,6 @@ by which transparent black is a wall.)
 
 from __future__ import annotations
 
-import difflib
 import math
 import warnings
 from pathlib import Path
@@ -25,7 +24,7 @@ import msgspec
 from giraff_core.kinematics.parts import ANGLE
 from giraff_maps.checks import LARGEST
 from giraff_maps.floor_plan import MapError, at_home, read_text, require_file
-from giraff_schemas.text import plain
+from giraff_schemas.text import near, plain
 
 if TYPE_CHECKING:
     import numpy as np
@@ -106,8 +105,8 @@ def _require_known(path: Path, content: dict[Any, Any]) -> None:
     """What others have added is left alone; what is nearly the name of a field is a slip."""
     fields = [name for name in GridFile.__struct_fields__ if name not in content]
     for key in content:
-        if key not in GridFile.__struct_fields__ and (near := difflib.get_close_matches(str(key), fields, 1)):
-            raise MapError(f"{path}: unknown field `{key}`; did you mean '{near[0]}'?")
+        if key not in GridFile.__struct_fields__ and (meant := near(str(key), fields)):
+            raise MapError(f"{path}: unknown field `{key}`; did you mean '{meant[0]}'?")
 
 
 def _require_sense(path: Path, said: GridFile) -> None:

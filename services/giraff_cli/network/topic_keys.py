@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
@@ -10,6 +9,7 @@ import zenoh
 
 from giraff_schemas.messages import Sample
 from giraff_schemas.services import LOCALIZATION, PLAY, SERVICES
+from giraff_schemas.text import meant
 from giraff_schemas.topics import (
     CAMERA_ON,
     CAMERA_PICTURES,
@@ -44,7 +44,6 @@ _ASKED_BELOW: Final = tuple(
     for key in (alive_key("x"), health_key("x"), frame_key("x"), *(key_of("x", query) for query in PARAM_QUERIES))
 )
 """Beginnings of the keys at which a robot's services answer, and are known to be there."""
-_NEAR: Final = 0.5
 
 
 class UnknownKeyError(Exception):
@@ -69,8 +68,11 @@ def _is_asked(key: str) -> bool:
     return key in _ASKED or key.startswith(_ASKED_BELOW)
 
 
-def below_robot(key: str, robot: str | None) -> tuple[str, str | None]:
-    """A key below the robot's name and that name, of one that may be typed whole. Raises UnknownKeyError."""
+def below_robot(key: str, robot: str | None, said: str = "--robot says") -> tuple[str, str | None]:
+    """Return a key, which may be typed whole, below the robot's name, and that name. Raises UnknownKeyError.
+
+    `said`: who else names the robot.
+    """
     root, _, rest = key.partition("/")
     named, _, below = rest.partition("/")
     if root != ROOT or not below:
@@ -80,8 +82,19 @@ def below_robot(key: str, robot: str | None) -> tuple[str, str | None]:
     except ValueError as error:
         raise UnknownKeyError(f"{key}: {error}") from error
     if robot not in (None, named):
-        raise UnknownKeyError(f"{key} is of {named}, and --robot says {robot}: leave out one of them")
+        raise UnknownKeyError(f"{key} is of {named}, and {said} {robot}: leave out one of them")
     return below, named
+
+
+def all_below_robot(keys: Iterable[str], robot: str | None, said: str = "--robot says") -> tuple[list[str], str | None]:
+    """Do what `below_robot` does for several keys, which must be of one robot. Raises UnknownKeyError."""
+    below = []
+    for key in keys:
+        short, named = below_robot(key, robot, said)
+        below.append(short)
+        if robot is None and named is not None:
+            robot, said = named, f"{key} of"
+    return below, robot
 
 
 def find_heard_topic(key: str) -> Topic[Any]:
@@ -122,12 +135,6 @@ def no_such_key(key: str, there: Iterable[str]) -> str:
     """What to say of a key that is none of these."""
     known = list(dict.fromkeys(there))
     return f"there is no key {key!r}; {meant(key, known)}there are: {', '.join(known)}"
-
-
-def meant(key: str, known: Iterable[str], cutoff: float = _NEAR) -> str:
-    """A question for the keys that are near; empty: none is."""
-    near = difflib.get_close_matches(key, [*known], n=2, cutoff=cutoff)
-    return f"did you mean {' or '.join(near)}? " if near else ""
 
 
 def intersects(pattern: str, key: str) -> bool:

@@ -11,7 +11,7 @@ import msgspec
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.param.format import Shown, as_objects, differing, without_moved
+from giraff_cli.param.format import Shown, as_objects, differing, values, without_moved
 from giraff_cli.terminal.page import print_json
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
@@ -20,13 +20,16 @@ from giraff_node.network.tokens import find_tokens, list_robots
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.services import ANSWERING
-from giraff_schemas.text import plain, printable
+from giraff_schemas.text import meant, near, plain, printable
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services to answer
 _SAVE_PATIENCE: Final = 10.0  # s, for a slow disk
 _SETTLED: Final = 0.5  # s after the first service was found: the others of a network are met within some ten ms
 _TURN: Final = 0.02  # s
+
+_TABLES: Final = ANSWERING | {"robot"}
+_MOST: Final = 3  # names that are told for one word
 
 _DONE: Final = 0
 _WRONG: Final = 1
@@ -46,12 +49,14 @@ def show(
     """Tell of the parameters `names`, which are fields or whole services; the exit code."""
 
     def tell(connection: RobotConnection) -> int:
-        services = _services(connection, names)
+        is_known = all(name.partition(".")[0] in _TABLES for name in names)
+        services = _services(connection, names if is_known else ())  # all of them know what was meant
         answers = _ask(connection, PARAM_DESCRIBE, dict.fromkeys(services, ParamDescribe()), _PATIENCE)
         shown = [Shown(each.service, each.host, param) for each in answers.values() for param in without_moved(each)]
         wanted = [one for one in shown if not names or any(one.is_meant(name) for name in names)]
         if unknown := [name for name in names if not any(one.is_meant(name) for one in shown)]:
-            if missing := services - answers.keys():
+            missing = services - answers.keys()
+            if missing and (is_known or not shown):
                 return print_error(_silent(missing))
             return print_error(_unknown(unknown[0], shown))
         for service in sorted(services - answers.keys()):
@@ -68,8 +73,10 @@ def show(
 
 
 def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, as_json: bool) -> int:
-    """Set `SERVICE.FIELD`; the exit code."""
+    """Set `SERVICE.FIELD`; return the exit code."""
     service, dot, field = name.partition(".")
+    if not dot and name not in _TABLES:
+        return show(robot, connect, (name,), values, as_json=as_json)  # which tells what was meant
     if not dot:
         return print_error(f"{name}: name service and field, like guard.margin; `giraff param list {name}` has them")
     try:
@@ -87,7 +94,9 @@ def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, 
 
 
 def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *, as_json: bool) -> int:
-    """Save `names`, which are fields or whole services, or everything; the exit code."""
+    """Save `names`, which are fields or whole services, or everything; return the exit code."""
+    if bare := [name for name in names if "." not in name and name not in _TABLES]:
+        return show(robot, connect, bare, values, as_json=as_json)  # which tells what was meant
 
     def tell(connection: RobotConnection) -> int:
         services = _services(connection, names)
@@ -130,14 +139,15 @@ def _services(connection: RobotConnection, names: Iterable[str]) -> set[str]:
         settled = settled or (time.monotonic() + _SETTLED if there else 0.0)
         if wanted and wanted <= there:
             break
-        if settled and time.monotonic() > settled and not wanted:
+        if settled and time.monotonic() > settled and not wanted & _TABLES:
             break
         time.sleep(_TURN)
     if not there:
         raise NoRobotError(not_found_text(connection.robot, list_robots(connection.session)))
     if away := sorted(wanted - there):
         raise NoRobotError(
-            f"{away[0]}: no such service is heard of {connection.robot}; there are {', '.join(sorted(there))}"
+            f"{away[0]}: no such service is heard of {connection.robot}; {meant(away[0], there)}"
+            f"there are {', '.join(sorted(there))}"
         )
     return wanted or there
 
@@ -180,6 +190,19 @@ def _silent(services: set[str]) -> str:
 
 
 def _unknown(name: str, shown: Sequence[Shown]) -> str:
-    service = name.partition(".")[0]
-    fields = [one.param.name for one in shown if one.service == service and not one.is_shared]
-    return f"{name}: no such parameter; {service} has {', '.join(fields) or 'none'}"
+    """Return what is wrong with a name that is no parameter's, and what was meant, as far as one can tell."""
+    fields: dict[str, list[str]] = {}
+    for table, _, field in sorted({one.name.partition(".") for one in shown}):
+        fields.setdefault(table, []).append(field)
+    table, dot, field = name.partition(".")
+    owners = [each for each in fields if name in fields[each]]
+    if owners:
+        return f"{name}: name the service too, like {' or '.join(f'{each}.{name}' for each in owners[:_MOST])}"
+    if dot:
+        close = [f"{each}.{found}" for each in near(table, fields) for found in near(field, fields[each])]
+    else:
+        close = near(name, fields) or [f"{each}.{found}" for each in fields for found in near(name, fields[each])]
+    hint = f"did you mean {' or '.join(close[:_MOST])}? " if close else ""
+    if table not in fields:
+        return f"{name}: no such parameter; {hint}there are {', '.join(fields)}, and giraff param list has all of each"
+    return f"{name}: no such parameter; {hint}{table} has {', '.join(fields[table])}"

@@ -11,6 +11,9 @@ from giraff_cli.options import AsJson, Connect, Robot
 param = typer.Typer(no_args_is_help=True, help="What the services go by, and what of it may change while they run.")
 
 Name = Annotated[str, typer.Argument(metavar="SERVICE.FIELD", help="Like guard.margin.", show_default=False)]
+Table = Annotated[
+    str, typer.Argument(metavar="NAME", help="Like guard.margin, or guard for all of it.", show_default=False)
+]
 Names = Annotated[
     list[str] | None,
     typer.Argument(metavar="NAME", help="Like guard.margin, or guard for all of it.", show_default=False),
@@ -30,15 +33,15 @@ def list_params(names: Names = None, robot: Robot = None, connect: Connect = Non
 
 
 @param.command()
-def get(name: Name, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
-    """The value of one parameter.
+def get(name: Table, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
+    """The value of one parameter, or all of a service with their names.
 
     Exit code: 0; 1 the service did not answer; 2 no robot, or no such parameter.
     """
     from giraff_cli.param.client import show  # noqa: PLC0415
-    from giraff_cli.param.format import values  # noqa: PLC0415
+    from giraff_cli.param.format import listed, values  # noqa: PLC0415
 
-    raise typer.Exit(show(robot, connect or (), (name,), values, as_json=as_json))
+    raise typer.Exit(show(robot, connect or (), (name,), values if "." in name else listed, as_json=as_json))
 
 
 @param.command()

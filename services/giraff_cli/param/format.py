@@ -41,8 +41,8 @@ class Shown(NamedTuple):
         return self.param.name if self.is_shared else f"{self.service}.{self.param.name}"
 
     def is_meant(self, name: str) -> bool:
-        """By a name that is a parameter's, or a whole table's."""
-        return name in (self.name, self.name.partition(".")[0])
+        """Tell whether a name is this parameter's, or that of a table it is in."""
+        return f"{self.name}.".startswith(f"{name}.")
 
     def sentence(self) -> str:
         """Where its value stands now."""
@@ -64,8 +64,11 @@ def listed(shown: Sequence[Shown]) -> None:
 
 
 def values(shown: Sequence[Shown]) -> None:
-    """Print the values alone."""
-    for one in _once(shown):
+    """Print the value alone of one parameter; of a whole table, names and values."""
+    one, *others = _once(shown)
+    if others:
+        listed(shown)
+    else:
         print(printable(text(one.param.value)))
 
 

@@ -14,7 +14,7 @@ import zenoh
 
 from giraff_cli.network.command import print_error, run_on_network
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, publish_refusal
+from giraff_cli.network.topic_keys import UnknownKeyError, all_below_robot, find_topic, publish_refusal
 from giraff_cli.play.reader import Reader, RecordedSample
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_line
@@ -23,6 +23,7 @@ from giraff_mcap.unread import Unread
 from giraff_node.network.consent import NoRobotError, tell
 from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.services import PLAY
+from giraff_schemas.text import meant
 from giraff_schemas.topics import alive_key, key_below
 
 _MEET_WITHIN: Final = 1.0  # s, to meet who listens, and a robot of this name
@@ -62,8 +63,9 @@ def play(
     """Until the end, or Ctrl-C; the exit code."""
     try:
         recording = Recording(path)
+        topics, _ = all_below_robot(topics, recording.robot, f"{path} is of")
         keys = keys_played(recording, topics)
-    except RecordingError as error:
+    except (RecordingError, UnknownKeyError) as error:
         return print_error(str(error))
     name = robot or f"replay-{recording.robot}"
     with StopSignal() as stopping:
@@ -84,7 +86,8 @@ def keys_played(recording: Recording, topics: Sequence[str]) -> set[str]:
     for pattern in topics:
         if not recording.matching((pattern,)):
             raise RecordingError(
-                f"--topics {pattern}: {recording.path} has no such key; it has {', '.join(sorted(known))}"
+                f"--topics {pattern}: {recording.path} has no such key; {meant(pattern, known)}"
+                f"it has {', '.join(sorted(known))}"
             )
     return recording.matching(topics)
 

@@ -17,6 +17,7 @@ import zenoh
 
 from giraff_cli.network.command import print_error, run_on_network
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.topic_keys import UnknownKeyError, all_below_robot
 from giraff_cli.record.parameters import RecordedParameters
 from giraff_cli.record.pictures import NoPictures, RecordedPictures
 from giraff_cli.record.report import Report, told
@@ -27,7 +28,7 @@ from giraff_mcap.writing import RecordingWriter
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
 from giraff_node.network.tcp_options import set_tcp_options
-from giraff_schemas.text import printable
+from giraff_schemas.text import meant, printable
 from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, key_below
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -63,8 +64,9 @@ def record(
     gc.freeze()  # what is imported stays, and need not be looked through again and again
     with StopSignal() as stopping:
         try:
+            topics, robot = all_below_robot(topics, robot)
             wanted = tuple(wanted_topics(topics))
-        except NoRobotError as error:
+        except (NoRobotError, UnknownKeyError) as error:
             return print_error(str(error))
         return run_on_network(
             robot,
@@ -90,7 +92,10 @@ def wanted_topics(patterns: Sequence[str]) -> list[str]:
                 f"--topics {pattern}: pictures must be asked for; --camera asks for them, and keeps them"
             )
         if not met:
-            raise NoRobotError(f"--topics {pattern}: no such topic; there are {', '.join(t.key for t in TOPICS)}")
+            known = [topic.key for topic in TOPICS]
+            raise NoRobotError(
+                f"--topics {pattern}: no such topic; {meant(pattern, known)}there are {', '.join(known)}"
+            )
     return list(patterns)
 
 

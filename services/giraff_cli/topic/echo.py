@@ -18,7 +18,7 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_line
 from giraff_node import robot_now_ns
 from giraff_schemas.messages import Sample
-from giraff_schemas.text import printable
+from giraff_schemas.text import meant, printable
 from giraff_schemas.topics import Topic
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
@@ -68,7 +68,8 @@ def require_field(topic: Topic[Any], field: str) -> None:
     """FieldError unless samples of `topic` have a field of this name, as far as the first dot."""
     names = topic.schema.__struct_fields__
     if field.partition(".")[0] not in names:
-        raise FieldError(f"--field {field}: {topic.schema.__name__} has no such field; it has {', '.join(names)}")
+        there = f"{meant(field, names)}it has {', '.join(names)}"
+        raise FieldError(f"--field {field}: {topic.schema.__name__} has no such field; {there}")
 
 
 def selected(sample: Any, fields: Sequence[str]) -> Any:

@@ -19,7 +19,6 @@ from giraff_cli.network.topic_keys import (
     below_robot,
     find_published_topic,
     is_declared,
-    meant,
     publish_refusal,
 )
 from giraff_cli.terminal.page import print_json
@@ -27,7 +26,7 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
-from giraff_schemas.text import plain
+from giraff_schemas.text import meant, plain
 from giraff_schemas.topics import TOPICS, Topic, key_of
 
 _LOOK_FOR: Final = 1.5  # s, for a robot of this name: a service that is met late is one that is there

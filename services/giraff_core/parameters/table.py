@@ -18,6 +18,7 @@ from giraff_core.tuning import Tuning, live_fields, loosens
 from giraff_schemas.checks import converted
 from giraff_schemas.fields import fields_of
 from giraff_schemas.params import Param
+from giraff_schemas.text import near
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 """The table of a service."""
@@ -176,9 +177,7 @@ class Parameters(Generic[ConfigT]):
         if name in self._documented:
             who = "shared by all services" if name.startswith(_SHARED) else "fixed"
             return f"{name} is {who}: it takes the robot file and a restart"
-        import difflib  # noqa: PLC0415  for what is mistyped, which is seldom
-
-        close = difflib.get_close_matches(name, self._live, n=1)
+        close = near(name, self._live)
         hint = f"did you mean {self._service}.{close[0]}?" if close else f"there are: {', '.join(self._live)}"
         return f"{self._service} has no parameter {name}; {hint}"
 

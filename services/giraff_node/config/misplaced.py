@@ -5,7 +5,6 @@ What a table knows is what its `Struct` has. What else is wrong with a robot fil
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from typing import Any, Final, get_args, get_origin, get_type_hints
@@ -16,6 +15,7 @@ from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import TABLES, RawSettings, UnknownEntry
 from giraff_schemas.services import SERVICES
+from giraff_schemas.text import near
 
 _NETWORK: Final = {
     **{field: f"{field!r} of [network]" for field in NetworkConfig.__struct_fields__},
@@ -63,7 +63,7 @@ def _is_doubtful(strange: UnknownEntry, words: Mapping[str, str]) -> bool:
     if strange.variable and table in TABLES:
         is_plain = table == "network" or (table == "robot" and field in ("", "name"))
         return is_plain or any(_misplaced(table, {field: value}, words))
-    if difflib.get_close_matches(table, ("network", "robot"), n=1) or word.endswith(tuple(_NETWORK)):
+    if near(table, ("network", "robot")) or word.endswith(tuple(_NETWORK)):
         return True
     if _alike(table, (*_NETWORK, *_FILE)) or _alike(word, words):
         return True
@@ -134,4 +134,4 @@ def _is_own(kind: Any, key: str, value: Any) -> bool:
 
 def _alike(word: str, known: Iterable[str]) -> str:
     """The one of these that it is, or may be mistyped; empty: none."""
-    return next(iter(difflib.get_close_matches(word, [*known], n=1, cutoff=_ALIKE)), "")
+    return next(iter(near(word, known, cutoff=_ALIKE)), "")

@@ -24,7 +24,7 @@ from giraff_core.sensors import by_type
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.services import SERVICES
-from giraff_schemas.text import plain
+from giraff_schemas.text import near, plain
 from giraff_schemas.trouble import Trouble
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
@@ -363,7 +363,5 @@ def _require_moderate(value: Any, deepest: int) -> None:
 
 def suggestion(word: str, known: Sequence[str]) -> str:
     """Which of the known words was meant, as the end of a message."""
-    import difflib  # noqa: PLC0415  for what is mistyped, which is seldom
-
-    close = difflib.get_close_matches(word, known, n=1)
+    close = near(word, known)
     return f"; did you mean {close[0]!r}?" if close else f"; known are: {', '.join(sorted(known))}"

@@ -69,6 +69,7 @@ def test_a_tightening_changes_the_verdict_and_is_taken_back(robot: ProcessRobot)
     robot.wait("a free way again", lambda: allowed() > 0.4, 60.0)
 
 
+MISTYPED = "guard.marign: no such parameter; did you mean guard.margin? guard has "
 LOOSENING = ("set", "guard.margin", "0.1")
 REFUSED: Mapping[tuple[str, ...], tuple[int, str]] = {
     LOOSENING: (
@@ -77,9 +78,9 @@ REFUSED: Mapping[tuple[str, ...], tuple[int, str]] = {
     ),
     ("set", "guard.margin", "nan"): (1, "margin is nan: it must be within 0.01..2 m"),
     ("set", "base.battery_cutoff", "23"): (1, "battery_cutoff is 23.0: it must not be above battery_low"),
-    ("list", "guard.marign"): (2, "guard.marign: no such parameter; guard has margin, release"),
-    ("get", "guard.marign"): (2, "guard.marign: no such parameter; guard has margin, release"),
-    ("describe", "guard.marign"): (2, "guard.marign: no such parameter; guard has margin, release"),
+    ("list", "guard.marign"): (2, MISTYPED),
+    ("get", "guard.marign"): (2, MISTYPED),
+    ("describe", "guard.marign"): (2, MISTYPED),
     ("save", "guard.marign"): (1, "did you mean guard.margin?"),
 }
 LISTED: tuple[tuple[str, ...], ...] = (

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from tests.rules.repository import ROOT
+
+DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
 ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (
         ("dst", "--seeds", "2", "--json", "my sum.json"),
@@ -14,4 +17,18 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("map", "show", "--json", "room.toml", "extra"), "giraff map show: got unexpected extra argument(s) (extra)"),
     (("encoder", "disk", "--json"), "--json: name the drawing's file, which is standard output itself without a name"),
     (("camera", "view", "--json"), "--json tells of a picture that is written: add --save FILE"),
+    (
+        ("record", "--topics", "giraff/otto/odom", "--robot", "x"),
+        "giraff/otto/odom is of otto, and --robot says x: leave",
+    ),
+    (
+        ("record", "--topics", "giraff/otto/odom", "--topics", "giraff/anna/tick"),
+        "giraff/anna/tick is of anna, and giraff/otto/odom of otto: leave out one of them",
+    ),
+    (("record", "--topics", "giraff/otto/odmo"), "no such topic; did you mean odom? there are tick, "),
+    (("play", DRIVE, "--topics", "giraff/otto/odom"), "drive.mcap is of sim-test: leave out one of them"),
+    (
+        ("topic", "echo", "odom", "--field", "linaer_x"),
+        "Odometry has no such field; did you mean linear_x? it has seq, ",
+    ),
 )

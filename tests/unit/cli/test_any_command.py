@@ -67,7 +67,7 @@ ASKING: dict[str, Words] = {
 FILE is one that is not there yet.
 """
 NO_SUCH_TOPIC = "nobody publishes odmo on sim-test; did you mean odom? published there: "
-NO_SUCH_SERVICE = "no such service is heard of sim-test; there are base, guard, "
+NO_SUCH_SERVICE = "no such service is heard of sim-test; did you mean guard? there are base, guard, "
 ELSEWHERE = "tests/functional/desk/test_param.py: the robot tells what it has"
 UNKNOWN: Mapping[str, tuple[Words, str]] = {
     "topic info": (("odmo",), NO_SUCH_TOPIC),
@@ -85,8 +85,8 @@ UNKNOWN: Mapping[str, tuple[Words, str]] = {
         ("gaurd.margin", "--robot", "sim-test"),
         NO_SUCH_SERVICE,
     ),
-    "record": (("--topics", "odmo"), "no such topic; there are tick, "),
-    "play": ((str(DRIVE), "--topics", "odmo"), "has no such key; it has base, "),
+    "record": (("--topics", "odmo"), "no such topic; did you mean odom? there are tick, "),
+    "play": ((str(DRIVE), "--topics", "odmo"), "has no such key; did you mean odom? it has base, "),
 }
 """Commands that take a key or a name of something the robot has, with one that it has not, and what they say."""
 UNKNOWN_ELSEWHERE: Mapping[str, str] = {"param list": ELSEWHERE, "param get": ELSEWHERE, "param describe": ELSEWHERE}

@@ -104,7 +104,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("param", "set", "guard.margin", "9" * 200), "a number of 665 bits is beyond 64 bits"),
     (("param", "set", "guard.margin", "1e999"), "guard.margin: it is a number that no message can hold"),
     (("param", "set", "guard", "0.5"), "name service and field, like guard.margin"),
-    (("record", "--topics", "odmo"), "--topics odmo: no such topic; there are tick, "),
+    (("record", "--topics", "odmo"), "--topics odmo: no such topic; did you mean odom? there are tick, "),
     (("record", "-o", "/proc/none/a.mcap", "--robot", "x"), "cannot be written: No such file"),
     (("record", "--max-size", "7"), "give 100k at least"),
     *(
