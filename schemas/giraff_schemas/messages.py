@@ -1,8 +1,7 @@
 """The samples that services exchange: frozen Structs, SI units, REP-103 axes (x forward, y left, yaw to the left).
 
-A sample is a MessagePack map, so that any language reads it without this module. Unknown fields are ignored on
-decoding (an older reader keeps working); a missing field, a wrong type or a number that is not finite is an error.
-`__post_init__` checks it where it is made and where it arrives; `codec.stamped` makes its copy without that.
+A sample is a MessagePack map. A reader ignores fields that it does not know, and refuses missing ones, wrong types and
+numbers that are not finite. `__post_init__` checks this at both ends; `codec.stamped` makes its copy without that.
 """
 
 from __future__ import annotations
@@ -17,8 +16,7 @@ from giraff_schemas.checks import require_finite, require_moment
 class RobotTime(msgspec.Struct, frozen=True):
     """A moment on the robot's own clock, as base published it in a `Tick`.
 
-    Whatever carries one was measured, or asked for by a human, after that moment: at base, `now - robot_ns` bounds
-    its true age from above, whatever the clocks of other hosts say and however long it travelled.
+    At base, no measurement or wish that carries one is older than `now - robot_ns`, whatever other clocks say.
     """
 
     epoch: int
@@ -310,9 +308,11 @@ class TruePose(Sample, frozen=True, kw_only=True):
     yaw: float
     """rad, in (-pi, pi]."""
     tick: RobotTime
+    walls: tuple[tuple[tuple[float, float], ...], ...] = ()
+    """m. Lines of the simulated room, in `odom`. Said every 2 s and empty in between."""
 
     def __post_init__(self) -> None:
-        require_finite(self, self.x, self.y, self.yaw)
+        require_finite(self, self.x, self.y, self.yaw, *(each for line in self.walls for at in line for each in at))
 
 
 class BoardState(msgspec.Struct, frozen=True, kw_only=True):

@@ -76,6 +76,28 @@ class OdomSetPose(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"position_sd {self.position_sd} and yaw_sd {self.yaw_sd} must not be negative")
 
 
+class OdomEchoes(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks odometry where the ultrasonic sensors have heard something since it began."""
+
+
+class EchoMap(msgspec.Struct, frozen=True, kw_only=True):
+    """Cells of the floor in `odom` from which an echo came. The one that was heard last is the last."""
+
+    instance: str
+    """Random name of the start of the odometry in whose frame the cells are."""
+    jumps: int
+    """`Odometry.jumps` of that frame: after another jump the cells are of no use."""
+    cell: float
+    """m. Side of a cell. The middle of a cell is at its column and row times this."""
+    columns: tuple[int, ...]
+    rows: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        require_finite(self, self.cell)
+        if len(self.columns) != len(self.rows):
+            raise ValueError(f"{len(self.columns)} columns and {len(self.rows)} rows: each cell has both")
+
+
 class OdomAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """What odometry did with either."""
 

@@ -118,8 +118,8 @@ ODOMETRY: Final = Service(
     host="robot",
     missing=("warning", "nobody knows where the robot is"),
     publishes=(t.ODOM,),
-    subscribes=(t.WHEELS,),
-    answers=(t.ODOM_RESET, t.ODOM_SET_POSE),
+    subscribes=(t.WHEELS, t.RANGE),
+    answers=(t.ODOM_RESET, t.ODOM_SET_POSE, t.ODOM_ECHOES),
     simulated=True,
     inside=True,
 )

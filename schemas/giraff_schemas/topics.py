@@ -132,6 +132,7 @@ ESTOP_RESET = Query("estop/reset", r.EStopReset, r.EStopAnswer)
 
 ODOM_RESET = Query("odom/reset", r.OdomReset, r.OdomAnswer)
 ODOM_SET_POSE = Query("odom/set_pose", r.OdomSetPose, r.OdomAnswer)
+ODOM_ECHOES = Query("odom/echoes", r.OdomEchoes, r.EchoMap)
 
 LOCALIZATION_SET_POSE = Query("localization/set_pose", lo.LocalizationSetPose, lo.LocalizationAnswer)
 LOCALIZATION_GLOBAL = Query("localization/global", lo.LocalizationGlobal, lo.LocalizationAnswer)
@@ -141,6 +142,7 @@ QUERIES: tuple[Query[Any, Any], ...] = (
     ESTOP_RESET,
     ODOM_RESET,
     ODOM_SET_POSE,
+    ODOM_ECHOES,
     LOCALIZATION_SET_POSE,
     LOCALIZATION_GLOBAL,
 )

@@ -124,6 +124,11 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         """All that the guard listens to."""
         return *self.sensors, *self.bumpers
 
+    @property
+    def sensor_poses(self) -> dict[str, tuple[float, float, float]]:
+        """The places of the ultrasonic sensors in `base_link`: m, m, rad."""
+        return {name: (sensor.x, sensor.y, sensor.yaw) for name, sensor in self.sensors.items()}
+
     def camera(self, name: str, field: str) -> tuple[str, Camera]:
         """Return the name and the table of the camera that a name means; an empty one means the only one.
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.io import IO
+from giraff_core.kinematics.echoes import Echoes
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.frames import BASE_FRAME
-from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, WHEELS
+from giraff_schemas.topics import ODOM, ODOM_ECHOES, ODOM_RESET, ODOM_SET_POSE, RANGE, WHEELS
 from giraff_schemas.trouble import WELL, Trouble
 
 SILENCE: Final = 1.0
@@ -23,7 +24,8 @@ _NO_WHEELS: Final = Trouble("no wheels from base", "check that base runs and see
 class Odometry:
     """Reads `wheels`; writes `odom`, answers where the robot is in it, and sets that to where it is said to be.
 
-    It owns `base_link`, and so tells where the robot's parts are, too, but for the sensors.
+    It owns `base_link`, and so tells where the robot's parts are, too, but for the sensors. It keeps where echoes came
+    from, so that a view that is opened late begins with them.
     """
 
     timers = ()
@@ -41,6 +43,8 @@ class Odometry:
             io.frame(part.child, part)
         self._wheels, self._out = io.inbox(WHEELS), io.publisher(ODOM)
         self._resets, self._poses = io.requests(ODOM_RESET), io.requests(ODOM_SET_POSE)
+        self._echoes, self._asked = Echoes(robot.sensor_poses), io.requests(ODOM_ECHOES)
+        self._ranges = io.inbox(RANGE, wakes=False)
         self._heard = self._noticed = io.monotonic()
 
     def turn(self, now: float) -> None:
@@ -49,6 +53,7 @@ class Odometry:
             self._heard = now
             if (odometry := policy.on_wheels(sample)) is not None:
                 self._out.put(odometry)
+                self._echoes.hear(odometry)
             if policy.notice:
                 self._noticed = now
                 self._io.set_notice("counters", policy.notice)
@@ -56,6 +61,10 @@ class Odometry:
             reset.answer(policy.on_reset(reset.request))
         for pose in self._poses.take():
             pose.answer(policy.on_set_pose(pose.request))
+        for reading in self._ranges.take():
+            self._echoes.add(reading)
+        for asked in self._asked.take():
+            asked.answer(self._echoes.map(self._io.instance))
         if now - self._noticed > SETTLED:
             self._io.set_notice("counters", WELL)
         is_silent = now - self._heard > SILENCE

@@ -30,6 +30,9 @@ TRUTH: Final = PINK
 TILT: Final = PINK
 LINES: Final[Colour] = (60, 60, 66)
 WALLS: Final[Colour] = (175, 165, 150)
+ROOM: Final[Colour] = (150, 105, 130)
+"""The room of a simulated robot, as the truth is pink: the robot does not know it."""
+ECHOES: Final[Colour] = (205, 135, 60)
 PARTICLES: Final[Colour] = (90, 130, 190)
 CANDIDATES: Final[Colour] = (255, 140, 60)
 

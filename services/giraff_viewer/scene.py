@@ -17,6 +17,7 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.localization import MapPose, MapWalls, Particles
 from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tick, Tilt, TruePose
+from giraff_schemas.requests import EchoMap
 from giraff_schemas.topics import Topic
 from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, LINES, PATH, ROBOT, TILT, TRUTH, WHITE
 from giraff_viewer.cones import Cone, ConeState
@@ -26,6 +27,7 @@ from giraff_viewer.plots import Series, Values, balance_series, series
 from giraff_viewer.rows import FLOOR, Row, planar, turned
 from giraff_viewer.shapes import arc, cone, ellipse, grid, headings, outline, placed
 from giraff_viewer.story import Line, Story
+from giraff_viewer.surroundings import Surroundings
 from giraff_viewer.trail import Point, Trail
 from giraff_viewer.vision import Vision
 from giraff_viewer.whereabouts import Whereabouts
@@ -38,6 +40,7 @@ HAND: Final = "hand"
 
 _PLOT_EVERY: Final = 40_000_000  # ns between two points of a line; a screen shows no more
 _TRAIL_EVERY: Final = 500_000_000  # ns
+_ECHOES_EVERY: Final = 1_000_000_000  # ns
 _UNPLACED_EVERY: Final = 5_000_000_000  # ns; a viewer with little memory forgets what is older than its newest data
 _FARTHEST: Final = 30  # m from the middle of `map` that lines are drawn: more are no help to the eye
 _HEADING: Final = 1.5  # radii of the robot
@@ -53,6 +56,7 @@ class Scene:
         self._drawn: dict[str, tuple[ConeState, float | None]] = {}
         self._outline = outline(robot.footprint_radius, robot.track_width)
         self._whereabouts = Whereabouts(self._outline, _HEADING * robot.footprint_radius)
+        self._surroundings = Surroundings(robot)
         self._ghost = Ghost()
         self._pictures = Pictures()
         self._vision = Vision()
@@ -72,6 +76,7 @@ class Scene:
             ("frames/map", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="map")),
             *self._whereabouts.begin(),
             *self._vision.begin(),
+            *self._surroundings.begin(),
             *((path, rr.CoordinateFrame("map")) for path in (GRID, NUMBERS)),
             (f"{FLOOR}/path", rr.CoordinateFrame("odom")),
             (f"{FLOOR}/ellipse", rr.CoordinateFrame("odom")),
@@ -109,14 +114,16 @@ class Scene:
         match sample:
             case Odometry():
                 rows += self._move(sample, at_ns)
-            case TruePose() if self._due("truth", _PLOT_EVERY, at_ns):
-                rows += self._draw_truth(sample)
+            case TruePose():
+                rows += self._draw_truth(sample, at_ns)
             case Range(sensor=sensor) if sensor in self._cones:
+                self._surroundings.hear(sample)
                 self._cones[sensor].read(sample, at_ns)
                 rows += self._draw_cones(at_ns)
             case MapPose() | Particles() | MapWalls():
                 rows += self._whereabouts.on_sample(sample)
                 walls = sample.walls if isinstance(sample, MapWalls) else ()
+                rows += self._surroundings.on_map(walls)
                 rows += self._draw_grid([point for wall in walls for point in (wall[:2], wall[2:])])
             case Tick() | Picture():
                 rows += self._pictures.on_sample(sample, at_ns)
@@ -133,6 +140,10 @@ class Scene:
             lines += self._story.tell(topic.key.replace("*", sample.sensor), (level, sample.reason or "well"))
         return rows + self._say(lines)
 
+    def begin_with(self, earlier: EchoMap) -> None:
+        """Take where echoes came from before anybody looked."""
+        self._surroundings.begin_with(earlier)
+
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> list[Row]:
         """A service has come or gone."""
         there = ("INFO", f"is there, {instance}") if present else ("WARN", f"is gone, {instance}")
@@ -141,6 +152,8 @@ class Scene:
     def look(self, now_ns: int) -> list[Row]:
         """What the time that passes changes: a sensor that is silent, a way that is longer than its line."""
         rows = self._draw_cones(now_ns) + self._draw_trail(now_ns)
+        if self._due("echoes", _ECHOES_EVERY, now_ns):
+            rows += self._surroundings.draw_echoes()
         return rows + self._pictures.look(now_ns) + self._vision.look(now_ns)
 
     def _judge(self, guard: GuardState, at_ns: int) -> list[Row]:
@@ -151,6 +164,7 @@ class Scene:
     def _move(self, odometry: Odometry, at_ns: int) -> list[Row]:
         rows: list[Row] = []
         self._ghost.hear(odometry)
+        self._surroundings.hear(odometry)
         if self._due("frames/base_link", _PLOT_EVERY, at_ns):
             where = planar("odom", "base_link", odometry.x, odometry.y, odometry.yaw)
             rows += [where, (f"{FLOOR}/ellipse", self._ellipse(odometry))]
@@ -171,11 +185,14 @@ class Scene:
         ]
         return rr.LineStrips2D([place, *ways], colors=[ELLIPSE], radii=[0.008])
 
-    def _draw_truth(self, truth: TruePose) -> list[Row]:
-        if (apart := self._ghost.apart(truth)) is None:
-            return []
+    def _draw_truth(self, truth: TruePose, at_ns: int) -> list[Row]:
+        rows = self._surroundings.on_truth(truth)
+        if rows:
+            rows += self._draw_grid([point for line in truth.walls for point in line])
+        if not self._due("truth", _PLOT_EVERY, at_ns) or (apart := self._ghost.apart(truth)) is None:
+            return rows
         strips = [placed(strip, *apart) for strip in self._outline]
-        return [(f"{FLOOR}/truth", rr.LineStrips2D(strips, colors=[TRUTH], radii=[0.008], labels=["truth"]))]
+        return [*rows, (f"{FLOOR}/truth", rr.LineStrips2D(strips, colors=[TRUTH], radii=[0.008], labels=["truth"]))]
 
     def _draw_grid(self, places: list[Point]) -> list[Row]:
         """Lines a metre apart, from a metre beside all places that were heard of: the picture's axes."""

@@ -11,6 +11,7 @@ import rerun as rr
 
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Sample
+from giraff_schemas.requests import EchoMap
 from giraff_schemas.topics import Topic
 from giraff_viewer.desk import TIMELINE, blueprint, camera_blueprint
 from giraff_viewer.rows import Row
@@ -91,6 +92,10 @@ class Show:
             new = blueprint(live=self._live, balances=balances, cameras=cameras, still=self._still)
             self._stream.send_blueprint(new)
         self._log(rows, at_ns)
+
+    def begin_with(self, earlier: EchoMap) -> None:
+        """Take where echoes came from before anybody looked."""
+        self._scene.begin_with(earlier)
 
     def on_liveliness(self, service: str, instance: str, at_ns: int, *, present: bool) -> None:
         """Tell that a service has come or gone."""

@@ -18,7 +18,7 @@ from giraff_schemas.codec import DecodeError, decode, encode
 from giraff_schemas.localization import LocalizationGlobal, LocalizationSetPose
 from giraff_schemas.messages import Lease, RobotTime, Tick
 from giraff_schemas.motion import Arc, GoTo, MotionArc, MotionCancel, MotionGo, MotionMove, MotionTurn, Move, Turn
-from giraff_schemas.requests import EStopEngage, EStopReset, OdomReset, OdomSetPose
+from giraff_schemas.requests import EStopEngage, EStopReset, OdomEchoes, OdomReset, OdomSetPose
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
@@ -30,6 +30,7 @@ from giraff_schemas.topics import (
     MOTION_MOVE,
     MOTION_QUERIES,
     MOTION_TURN,
+    ODOM_ECHOES,
     ODOM_RESET,
     ODOM_SET_POSE,
     QUERIES,
@@ -63,6 +64,7 @@ REQUESTS: Final[dict[str, msgspec.Struct]] = {
     ESTOP_ENGAGE.key: EStopEngage(by="somebody", reason="no reason"),
     ESTOP_RESET.key: EStopReset(by="somebody", id=0, tick=_OLD),
     ODOM_RESET.key: OdomReset(by="somebody", id=1),
+    ODOM_ECHOES.key: OdomEchoes(),
     ODOM_SET_POSE.key: OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5),
     LOCALIZATION_SET_POSE.key: LocalizationSetPose(by="somebody", id=7, x=1.0, y=-1.0, yaw=0.5),
     LOCALIZATION_GLOBAL.key: LocalizationGlobal(by="somebody", id=8),

@@ -32,6 +32,7 @@ from giraff_schemas.services import CAMERA, DEMONSTRATION, LOCALIZATION, SIMULAT
 from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
+from giraff_sim.world.room import read_room
 from giraff_telemetry.layout import Standing
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -98,7 +99,8 @@ class Run:
         telemetry: RunTelemetry | None = None
         try:
             if self._robot.start_simulator(self._stopping):
-                telemetry = RunTelemetry(tuple(self._plan.robot.sensors), self._robot.truth())
+                room = read_room(self._plan.world).outlines()
+                telemetry = RunTelemetry(tuple(self._plan.robot.sensors), self._robot.truth(), room)
                 self._watch(telemetry)
         except (StartError, SimulatorError) as error:
             self._note_ended()
@@ -206,7 +208,7 @@ class Run:
         self._joystick.hold(robot_now_ns() * 1e-9)
         telemetry.see(self._robot.truth())
         if self._announcer is not None:
-            self._announcer.tell(telemetry.true_pose)
+            self._announcer.tell(telemetry.true_pose, telemetry.walls)
         if self._page is not None and self._page.look() and isinstance(self._screen, LineScreen):
             addresses.tell(self._page.addresses)
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -10,6 +11,7 @@ from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison, OdometryError, Truth
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import Latest
+from giraff_maps.room_file import Point
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
@@ -52,10 +54,11 @@ class RunSnapshot(Snapshot):
 class RunTelemetry(Telemetry):
     """Collects, on base's host: times are the robot's clock in ns."""
 
-    def __init__(self, sensors: tuple[str, ...], truth: Truth) -> None:
-        """`truth`: from before anything is heard."""
+    def __init__(self, sensors: tuple[str, ...], truth: Truth, room: Sequence[Sequence[Point]] = ()) -> None:
+        """`truth`: from before anything is heard. `room`: lines that show what stands in it, m."""
         super().__init__(sensors)
         self.truth = truth
+        self._room = room
         self._first_truth = truth
         self._comparison = Comparison()
         self._stood_at: Pose | None = None
@@ -142,6 +145,11 @@ class RunTelemetry(Telemetry):
             return None
         at = RobotTime(epoch=tick.sample.epoch, robot_ns=self.truth.robot_ns)
         return TruePose(x=pose.x, y=pose.y, yaw=pose.yaw, tick=at)
+
+    def walls(self) -> tuple[tuple[Point, ...], ...]:
+        """Return the lines of the room in the frame of odometry. Empty before odometry has begun."""
+        lines = [[self._comparison.in_odom(Pose(x, y, 0.0)) for x, y in line] for line in self._room]
+        return tuple(tuple((place.x, place.y) for place in line if place is not None) for line in lines if line[0])
 
     @property
     def skew(self) -> float:

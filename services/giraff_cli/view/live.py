@@ -15,15 +15,18 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_node import robot_now_ns
 from giraff_node.network.discovery import not_found_text
+from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.messages import Sample
-from giraff_schemas.topics import Topic
+from giraff_schemas.requests import OdomEchoes
+from giraff_schemas.topics import ODOM_ECHOES, Topic
 from giraff_viewer.memory import require_memory
 from giraff_viewer.window import ViewerError
 
 _TURN: Final = 0.03  # s between two looks at what was heard
 _FIND_WITHIN: Final = 3.0  # s
+_ASK_FOR: Final = 3.0  # s, what was heard before: a robot that comes later begins then
 _TELL_AFTER: Final = 3.0  # s without a word of the robot
 
 
@@ -52,6 +55,7 @@ class LiveViewer:
         self._stopping = stopping
         self._stage: ViewerOutput | None = None
         self._pictures = PictureSubscriber.of(connection, "view") if options.camera else None
+        self._earlier = QueryClient(connection.session, connection.robot, ODOM_ECHOES, OdomEchoes())
         self._ahead_ns = 0
         """Wall clock minus the robot's, which what is heard is stamped with."""
 
@@ -90,12 +94,15 @@ class LiveViewer:
         return not_found_text(self._connection.robot, list_robots(self._connection.session))
 
     def _draw(self, stage: ViewerOutput) -> None:
-        began, told = time.monotonic(), False
+        began, told, is_asking = time.monotonic(), False, True
         until = began + (math.inf if self._options.seconds is None else self._options.seconds)
         while (now := time.monotonic()) < until and stage.is_open and not self._stopping.wait(_TURN):
             set_tcp_options()
             self._ahead_ns = time.time_ns() - robot_now_ns()
             self._connection.dispatch(self)
+            if is_asking and now - began < _ASK_FOR and (earlier := self._earlier.poll(now)) is not None:
+                stage.show.begin_with(earlier)
+                is_asking = False
             if self._pictures is not None:
                 self._draw_pictures(stage, self._pictures)
             stage.show.look(time.time_ns())

@@ -134,6 +134,7 @@ def test_a_live_robot_is_saved(robot: ProcessRobot) -> None:
     for entity in (
         "/floor/robot",
         "/floor/ellipse",
+        "/floor/echoes",
         "/frames/base_link",
         "/floor/range_rear_link",
         "/guard",

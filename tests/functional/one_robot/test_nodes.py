@@ -38,8 +38,11 @@ EDGES = {
     ("joystick", "tilt", ""),
     ("odometry", "odom", ""),
     ("ranger", "range/front_left", "guard"),
+    ("ranger", "range/front_left", "odometry"),
     ("ranger", "range/front_right", "guard"),
+    ("ranger", "range/front_right", "odometry"),
     ("ranger", "range/rear", "guard"),
+    ("ranger", "range/rear", "odometry"),
 }
 
 
@@ -64,7 +67,7 @@ def tells(*patterns: str) -> Holds:
     return lambda done: all(re.search(each, done.stdout, re.MULTILINE) for each in patterns)
 
 
-MOST_THREADS: Final[Mapping[str, int]] = {"base": 10, "guard": 8, "joystick": 8, "ranger": 10, "odometry": 11}
+MOST_THREADS: Final[Mapping[str, int]] = {"base": 10, "guard": 8, "joystick": 8, "ranger": 10, "odometry": 12}
 """Python's own, by service: the loop, one for each subscriber and queryable, one for each file that is kept."""
 RECEIVING: Final = 16
 """Zenoh's, in each, at least: as many links may die at one moment, and none of the others waits for them."""

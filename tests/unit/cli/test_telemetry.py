@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from unittest.mock import MagicMock
 
 import msgspec
 import pytest
 
 from giraff_cli.network.age_histogram import AgeHistogram
+from giraff_cli.run.announcer import Announcer
 from giraff_cli.run.odometry_error import Comparison
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
-from giraff_schemas.messages import Tick
+from giraff_schemas.messages import Tick, TruePose
 from giraff_telemetry.rate import RateEstimator
 from tests.unit.cli.samples import (
     EPOCH,
@@ -22,6 +24,7 @@ from tests.unit.cli.samples import (
     START,
     Network,
     command,
+    drive_ten_seconds,
     odometry,
     ten_seconds,
     truth,
@@ -160,6 +163,24 @@ def test_the_true_pose_is_told_in_the_frame_of_odometry_once_that_has_begun() ->
     assert told is not None
     assert (told.tick.epoch, told.tick.robot_ns) == (EPOCH, 10 * SECOND)
     assert (told.x, told.y, told.yaw) == pytest.approx((4.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_the_room_is_told_in_the_frame_of_odometry_and_seldom() -> None:
+    corner, session = (START.x, START.y + 1.0), MagicMock()
+    telemetry = RunTelemetry(SENSORS, truth(0), [[corner, (START.x + 3.0, START.y)]])
+    assert telemetry.walls() == ()
+    drive_ten_seconds(telemetry)
+    [line] = telemetry.walls()
+    assert [*map(list, line)] == [pytest.approx([0.0, 1.0]), pytest.approx([3.0, 0.0])]
+    announcer = Announcer(session, "sim-test")
+    for _ in range(3):
+        announcer.tell(telemetry.true_pose, telemetry.walls)
+    said = [decoded(call.args[0]) for call in session.declare_publisher.return_value.put.call_args_list]
+    assert [sample.walls for sample in said] == [(line,), (), ()]
+
+
+def decoded(payload: bytes) -> TruePose:
+    return msgspec.msgpack.decode(payload, type=TruePose)
 
 
 def test_the_age_of_a_command_is_from_the_operators_tick_to_its_arrival() -> None:

@@ -195,7 +195,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "jumps": 2,
         "breaks": 1,
     },
-    m.TruePose: _START | {"x": 1.0, "y": 2.0, "yaw": 0.5, "tick": _TIME},
+    m.TruePose: _START | {"x": 1.0, "y": 2.0, "yaw": 0.5, "tick": _TIME, "walls": [[[0.0, 0.0], [5.0, 0.0]]]},
     m.BaseState: _START
     | {
         "armed": True,

@@ -1,0 +1,77 @@
+"""Where ultrasonic sensors have heard something, as cells of the floor in `odom`. People look at it. No guard does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Final
+
+from giraff_core.kinematics.frame_errors import FrameError
+from giraff_core.kinematics.pose import Pose
+from giraff_core.kinematics.way import Way
+from giraff_schemas.messages import Odometry, Range
+from giraff_schemas.requests import EchoMap
+
+CELL: Final = 0.05
+"""m. Side of a cell."""
+MOST_CELLS: Final = 4000
+"""Cells that are kept, an answer of 24 kB. A new one then replaces the one that was heard longest ago."""
+
+
+class Echoes:
+    """Echoes of one robot. All are forgotten when odometry begins anew or its pose is set."""
+
+    def __init__(self, sensors: Mapping[str, tuple[float, float, float]]) -> None:
+        """`sensors`: m, m, rad in `base_link`."""
+        self._sensors = {name: Pose(*place) for name, place in sensors.items()}
+        self._way = Way()
+        self._origin: tuple[str, int] | None = None
+        self._cells: dict[tuple[int, int], None] = {}
+        """The cell that was heard last is at the end."""
+
+    @property
+    def points(self) -> list[tuple[float, float]]:
+        """The middles of the cells, m."""
+        return [(column * CELL, row * CELL) for column, row in self._cells]
+
+    def map(self, instance: str) -> EchoMap:
+        """Return all cells. `instance`: random name of the odometry in whose frame they are."""
+        columns, rows = tuple(x for x, _ in self._cells), tuple(y for _, y in self._cells)
+        _, jumps = self._origin or ("", 0)
+        return EchoMap(instance=instance, jumps=jumps, cell=CELL, columns=columns, rows=rows)
+
+    def hear(self, odometry: Odometry) -> bool:
+        """Take the robot's pose. True: all cells were forgotten."""
+        is_new = self._origin not in (None, odometry.origin)
+        if is_new:
+            self._way, self._cells = Way(), {}
+        self._origin = odometry.origin
+        self._way.hear(odometry)
+        return is_new
+
+    def add(self, reading: Range) -> bool:
+        """Place an echo where the robot was when it was measured. True: the cell is new."""
+        sensor = self._sensors.get(reading.sensor)
+        if sensor is None or reading.range is None or reading.tick is None:
+            return False
+        with suppress(FrameError):  # it is not known where the robot was
+            place = Pose(reading.range, 0.0, 0.0).placed_in(sensor).placed_in(self._way.at(reading.tick))
+            return self._keep((round(place.x / CELL), round(place.y / CELL)))
+        return False
+
+    def join(self, earlier: EchoMap) -> bool:
+        """Take cells that somebody else has kept. False: they are of another frame, or of cells of another size."""
+        if (earlier.instance, earlier.jumps) != self._origin or earlier.cell != CELL:
+            return False
+        own, self._cells = self._cells, {}
+        for cell in (*zip(earlier.columns, earlier.rows, strict=True), *own):
+            self._keep(cell)
+        return True
+
+    def _keep(self, cell: tuple[int, int]) -> bool:
+        is_new = cell not in self._cells
+        self._cells.pop(cell, None)
+        self._cells[cell] = None
+        if len(self._cells) > MOST_CELLS:
+            del self._cells[next(iter(self._cells))]
+        return is_new
