@@ -79,6 +79,8 @@ class OdomSetPose(msgspec.Struct, frozen=True, kw_only=True):
 class OdomEchoes(msgspec.Struct, frozen=True, kw_only=True):
     """Asks odometry where the ultrasonic sensors have heard something since it began."""
 
+    by: str
+
 
 class EchoMap(msgspec.Struct, frozen=True, kw_only=True):
     """Cells of the floor in `odom` from which an echo came. The one that was heard last is the last."""

@@ -64,7 +64,7 @@ REQUESTS: Final[dict[str, msgspec.Struct]] = {
     ESTOP_ENGAGE.key: EStopEngage(by="somebody", reason="no reason"),
     ESTOP_RESET.key: EStopReset(by="somebody", id=0, tick=_OLD),
     ODOM_RESET.key: OdomReset(by="somebody", id=1),
-    ODOM_ECHOES.key: OdomEchoes(),
+    ODOM_ECHOES.key: OdomEchoes(by="somebody"),
     ODOM_SET_POSE.key: OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5),
     LOCALIZATION_SET_POSE.key: LocalizationSetPose(by="somebody", id=7, x=1.0, y=-1.0, yaw=0.5),
     LOCALIZATION_GLOBAL.key: LocalizationGlobal(by="somebody", id=8),

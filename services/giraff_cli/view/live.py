@@ -11,6 +11,7 @@ from typing import Any, Final
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.picture_subscriber import PictureSubscriber
+from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_node import robot_now_ns
@@ -55,7 +56,7 @@ class LiveViewer:
         self._stopping = stopping
         self._stage: ViewerOutput | None = None
         self._pictures = PictureSubscriber.of(connection, "view") if options.camera else None
-        self._earlier = QueryClient(connection.session, connection.robot, ODOM_ECHOES, OdomEchoes())
+        self._earlier = QueryClient(connection.session, connection.robot, ODOM_ECHOES, OdomEchoes(by=user_at_host()))
         self._ahead_ns = 0
         """Wall clock minus the robot's, which what is heard is stamped with."""
 

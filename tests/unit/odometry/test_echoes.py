@@ -121,10 +121,10 @@ def test_odometry_keeps_echoes_and_answers_who_asks() -> None:
         inboxes[WHEELS.key].accept(wheels(20 * step, 20 * step, step * PERIOD_US))  # 0.1 m in 0.1 s
     heard = msgspec.structs.replace(echo(0, 1.0), tick=RobotTime(EPOCH, round((BOOTED_S + 0.05) * 1e9)))
     inboxes[RANGE.key].accept(heard)
-    kept = answer(ODOM_ECHOES, OdomEchoes())
+    kept = answer(ODOM_ECHOES, OdomEchoes(by="ann"))
     assert (kept.instance, kept.jumps, len(kept.columns)) == ("one", 0, 1)
     assert kept.columns[0] * CELL == pytest.approx(LEFT[0] + 0.05 + 1.0, abs=CELL / 2)
     answer(ODOM_RESET, OdomReset(by="ann", id=1))
     inboxes[WHEELS.key].accept(wheels(220, 220, 11 * PERIOD_US))
-    kept = answer(ODOM_ECHOES, OdomEchoes())
+    kept = answer(ODOM_ECHOES, OdomEchoes(by="ann"))
     assert (kept.jumps, kept.columns) == (1, ())
