@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import os
 import signal
 import subprocess
@@ -12,9 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from giraff_cli.terminal.service_log import cause_of
+
 _LAUNCH: Final = Path(__file__).with_name("launch.py")
 _POLL: Final = 0.01  # s between looks at processes that are about to end
-_TAIL_BYTES: Final = 8192
+_TAIL_BYTES: Final = 262_144  # a cause with its traceback is far shorter
+_MOST_BYTES: Final = 16_777_216
+"""Of a log. Beyond twice as many its beginning gives way, or a service that writes a lot would fill the disk."""
+_BLOCK: Final = 65_536  # bytes; file systems free whole blocks
+_FREE_BLOCKS: Final = 3  # FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE
+_BY_OTHERS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+"""Signals that somebody else sends: the process cannot have written why."""
 
 
 @dataclass(frozen=True)
@@ -23,13 +33,18 @@ class Ended:
 
     name: str
     how: str
-    """Like `exit code 1` or `SIGKILL`."""
-    last_words: tuple[str, ...]
-    """The last lines of its log."""
+    """Like `exit code 1` or `killed, SIGKILL`."""
+    cause: str
+    """Why, in its own last words where it wrote any."""
+    log: Path
 
     def __str__(self) -> str:
-        said = "".join(f"\n    {line}" for line in self.last_words)
-        return f"{self.name} ended by itself ({self.how}){', its log ends:' if said else ''}{said}"
+        return f"{self.name} ended by itself ({self.how}): {self.cause}; its log: {self.log}"
+
+    @property
+    def headline(self) -> str:
+        """Who ended, how, and where to read on, in a row of a screen."""
+        return f"{self.name} ended ({self.how}), see {self.log}"
 
 
 class ProcessGroup:
@@ -44,7 +59,7 @@ class ProcessGroup:
 
     def start(self, name: str, module: str, arguments: Iterable[str], environment: Mapping[str, str]) -> None:
         """Start `python -m module` in a session of its own: Ctrl-C in the terminal is for its parent alone."""
-        command = [sys.executable, "-P", "-m", module, *arguments]
+        command = [sys.executable, "-P", "-X", "faulthandler", "-m", module, *arguments]
         launcher = [sys.executable, "-I", "-S", str(_LAUNCH), str(os.getpid())]
         with self.log(name).open("wb") as log, self.output(name).open("wb") as output:
             self._running[name] = subprocess.Popen(
@@ -73,16 +88,25 @@ class ProcessGroup:
             status = process.poll()
             if status is not None:
                 del self._running[name]
-                self.ended[name] = Ended(name, _how(status), self.last_words(name))
+                self.ended[name] = Ended(name, _how(status), self._cause(name, status), self.log(name))
                 found.append(self.ended[name])
+            else:
+                bound(self.log(name))
         return found
 
     def last_words(self, name: str, lines: int = 5) -> tuple[str, ...]:
         """The last lines of a log."""
+        return tuple(self._tail(name)[-lines:])
+
+    def _tail(self, name: str) -> list[str]:
         with self.log(name).open("rb") as log:
             log.seek(max(0, log.seek(0, os.SEEK_END) - _TAIL_BYTES))
-            text = log.read().decode(errors="replace")
-        return tuple(text.splitlines()[-lines:])
+            return log.read().decode(errors="replace").removesuffix("\n").split("\n")
+
+    def _cause(self, name: str, status: int) -> str:
+        if -status in _BY_OTHERS:
+            return "it was ended from outside: by hand, or by the kernel for want of memory"
+        return cause_of(self._tail(name), crashed=status < 0) or "it did not say why"
 
     def stop(self, names: Iterable[str], grace: float) -> list[str]:
         """End these together and reap them: SIGTERM, and after `grace` seconds SIGKILL. Returns what went wrong."""
@@ -106,5 +130,20 @@ class ProcessGroup:
         return self.stop(list(self._running), grace)
 
 
+def bound(log: Path, most: int = _MOST_BYTES) -> None:
+    """Free the disk of the beginning of a log that has grown beyond twice as many bytes. Its writer need not know.
+
+    The file keeps its length, and begins with a hole. Nothing that is written meanwhile is lost.
+    """
+    with contextlib.suppress(OSError), log.open("r+b") as file:
+        status = os.fstat(file.fileno())
+        if status.st_blocks * 512 > 2 * most:
+            free = (status.st_size - most) // _BLOCK * _BLOCK
+            ctypes.CDLL(None).fallocate64(file.fileno(), _FREE_BLOCKS, ctypes.c_int64(0), ctypes.c_int64(free))
+
+
 def _how(status: int) -> str:
-    return f"exit code {status}" if status >= 0 else signal.Signals(-status).name
+    if status >= 0:
+        return f"exit code {status}"
+    word = (signal.strsignal(-status) or "signal").lower()
+    return f"{word}, {signal.Signals(-status).name}" if -status in set(signal.Signals) else f"{word}, {-status}"

@@ -6,6 +6,7 @@ rest, before anything is told to end.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 import time
@@ -17,12 +18,13 @@ from giraff_cli.run.announcer import Announcer
 from giraff_cli.run.driver import Driver
 from giraff_cli.run.joystick import Joystick
 from giraff_cli.run.plan import Plan
+from giraff_cli.run.processes import Ended
 from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal import addresses
-from giraff_cli.terminal.screen import LineScreen, NullScreen, Screen, as_svg, open_screen, say
+from giraff_cli.terminal.screen import LineScreen, NullScreen, Screen, Terminal, as_svg, open_screen, say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
 from giraff_node.network.query_client import EStopClient, request_estop
@@ -41,7 +43,6 @@ _REST_WITHIN: Final = 4.0  # s
 _SITS_WITHIN: Final = 4.0  # s
 _PUSH_AFTER: Final = 8.0  # s; a robot that balances has got up and drives by then
 _LOOKS_AT_REST: Final = 4  # in a row, by when odometry has caught up
-_NOTICES: Final = 1  # more would not fit 24 lines
 
 DONE: Final = 0
 FAILED: Final = 1
@@ -91,6 +92,9 @@ class Run:
         self._awaited = {*self._services, *beside} - {WEB.name}
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
+        self._ended: Ended | None = None
+        """The service that ended last."""
+        self._said: set[str] = set()
         self._began_ns: int | None = None
         """Robot's clock when all services were there."""
 
@@ -110,7 +114,7 @@ class Run:
             self._failures += self._robot.stop()
         self._failures += self._connection.decode_errors
         for failure in self._failures:
-            print(printable_lines(f"giraff run: {failure}"), file=sys.stderr)
+            self._say_on_stderr(failure)
         if telemetry is not None:
             self._conclude(telemetry)
         return FAILED if self._failures else DONE
@@ -224,7 +228,18 @@ class Run:
             self._driver = None
 
     def _note_ended(self) -> None:
-        self._failures += [str(ended) for ended in self._robot.reap()]
+        for ended in self._robot.reap():
+            self._failures.append(str(ended))
+            self._ended = ended
+            if self._driver is None and not isinstance(self._screen, Terminal):
+                self._say_on_stderr(str(ended))
+
+    def _say_on_stderr(self, failure: str) -> None:
+        """Say it, once. A live view has the terminal to itself until it closes, and shows it meanwhile."""
+        if failure not in self._said:
+            self._said.add(failure)
+            with contextlib.suppress(OSError):  # nobody reads it
+                print(printable_lines(f"giraff run: {failure}"), file=sys.stderr, flush=True)
 
     def _view(self, telemetry: RunTelemetry) -> RunView:
         now_ns = robot_now_ns()
@@ -243,7 +258,8 @@ class Run:
             look=self._look_hint,
             vision=self._standing(VISION.name, telemetry) if self._plan.camera else None,
             localization=self._standing(LOCALIZATION.name, telemetry) if self._plan.localize else None,
-            notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
+            ended="" if self._ended is None else self._ended.headline,
+            notices=tuple(self._failures[-1:]) if self._ended is None else (self._ended.cause,),
         )
         return RunView(telemetry.snapshot(now_ns), frame)
 

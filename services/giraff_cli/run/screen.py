@@ -49,6 +49,8 @@ class Frame:
     """Of the service that tells motion by the camera. None: there is none."""
     look: str = ""
     """How to see by its camera; empty: it has none."""
+    ended: str = ""
+    """The service that ended last, how, and where its log is. Empty: none did."""
     notices: tuple[str, ...]
     """What went wrong so far, one line each."""
 
@@ -76,7 +78,7 @@ class RunView:
 def _hints(frame: Frame) -> list[str]:
     """As many rows whatever they say."""
     first, *others = frame.hints
-    return [frame.note or first, *others]
+    return others if frame.ended else [frame.note or first, *others]
 
 
 def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
@@ -84,6 +86,7 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
     truth = snapshot.truth
     picture = Group(
         _header(frame),
+        *([notice(frame.ended)] if frame.ended else []),
         *(Text(printable(hint), style="green", no_wrap=True, overflow="ellipsis") for hint in _hints(frame)),
         beside(_poses(snapshot), blocks.motion(truth.path, truth.speed, truth.turn), _hand(snapshot)),
         beside(blocks.ranges(snapshot), blocks.base(snapshot, ("command", _age(snapshot)))),
@@ -99,7 +102,7 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
 def _last_row(snapshot: RunSnapshot, frame: Frame) -> list[RenderableType]:
     """What went wrong, else the place on the map, else how it balances, else how to see by it: there is one row."""
     if frame.notices:
-        return [*map(notice, frame.notices)]
+        return [Text(printable(text), style="red", overflow="fold") for text in frame.notices]  # the terminal cuts it
     if frame.localization is None:
         if snapshot.attitude is not None:
             return [blocks.balance(snapshot)]

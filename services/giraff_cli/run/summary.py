@@ -157,6 +157,7 @@ def to_text(summary: Summary) -> str:
         ("line errors", "unknown" if summary.line_errors is None else f"{summary.line_errors}"),
         ("command age", "unknown" if age is None else f"{age.p50} ms median, {age.p99} ms p99, {age.max} ms at most"),
         ("rates in Hz", _rates(summary.rates_hz)),
+        *(("went wrong", failure) for failure in summary.failures),
     ]
     indented = ((label, value.replace("\n", f"\n{_INDENT}")) for label, value in rows)
     return "\n".join(f"{label:>{_LABEL}}  {value}" for label, value in indented)

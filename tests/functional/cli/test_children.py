@@ -98,8 +98,9 @@ def test_one_that_ends_by_itself_is_named_once_with_its_last_words(children: Pro
     wait(lambda: bool(children.reap()), 60.0, what="it has ended")
     ended = children.ended["dying"]
     assert ended.how == "exit code 1"
-    assert ended.last_words == ("line 6", "line 7", "line 8", "line 9", "the port is gone")
-    assert str(ended).startswith("dying ended by itself (exit code 1), its log ends:\n    line 6")
+    log = children.log("dying")
+    assert str(ended) == f"dying ended by itself (exit code 1): the port is gone; its log: {log}"
+    assert children.last_words("dying") == ("line 6", "line 7", "line 8", "line 9", "the port is gone")
     assert children.reap() == []
     assert is_running(children.pid("obedient"))
 
@@ -109,7 +110,7 @@ def test_a_signal_that_ended_one_is_named(children: ProcessGroup, tmp_path: Path
     wait(lambda: is_up(children, "obedient"), 60.0, what="it is up")
     os.kill(children.pid("obedient"), signal.SIGKILL)
     wait(lambda: bool(children.reap()), 60.0, what="it has ended")
-    assert str(children.ended["obedient"]) == "obedient ended by itself (SIGKILL)"
+    assert str(children.ended["obedient"]).startswith("obedient ended by itself (killed, SIGKILL): it was ended from")
 
 
 def test_they_are_in_sessions_of_their_own(children: ProcessGroup, tmp_path: Path) -> None:

@@ -117,4 +117,4 @@ def test_the_page_of_a_run_comes_and_goes_with_it_and_is_named_where_it_dies(
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
-    assert "giraff run: web ended by itself (SIGKILL)" in err, "and the run has gone on"
+    assert "giraff run: web ended by itself (killed, SIGKILL)" in err, "and the run has gone on"

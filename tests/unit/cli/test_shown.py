@@ -144,6 +144,15 @@ def test_the_view_tells_the_place_on_the_map_in_a_row_that_is_there_anyway() -> 
     assert starting[-1].rstrip() == "MAP  starting  -"
 
 
+def test_a_service_that_ended_takes_the_row_of_a_hint_and_its_cause_the_last_one() -> None:
+    why = "port 18099 is in use: end what listens there (`ss -ltnp` shows it), or choose another by --port"
+    frame = replace(FRAME, ended="web ended (exit code 2), see /tmp/web.log", notices=(why,), note="waits")
+    shown = rendered(ten_seconds().snapshot(10 * SECOND), frame)
+    assert [row.rstrip() for row in shown[1:3]] == [frame.ended, FRAME.hints[1]]
+    assert len(shown) == 25, "the terminal cuts the last row off"
+    assert " ".join(row.strip() for row in shown[-2:]) == why
+
+
 def test_the_last_row_tells_how_to_see_by_the_camera() -> None:
     shown = rendered(ten_seconds().snapshot(13 * SECOND), replace(FRAME, look="see by it: giraff camera view"))
     assert len(shown) <= 24
