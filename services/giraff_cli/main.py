@@ -17,6 +17,7 @@ from giraff_cli.frames.commands import frames
 from giraff_cli.graph.commands import graph
 from giraff_cli.keys.commands import keys
 from giraff_cli.localize.commands import localize
+from giraff_cli.logs.commands import logs
 from giraff_cli.map.commands import maps
 from giraff_cli.motion.commands import arc, go, move, turn
 from giraff_cli.node.commands import node
@@ -43,7 +44,24 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, web, localize, vision):
+for verb in (
+    record,
+    play,
+    replay,
+    graph,
+    frames,
+    top,
+    view,
+    doctor,
+    run,
+    logs,
+    why,
+    watch,
+    drive,
+    web,
+    localize,
+    vision,
+):
     app.command()(verb)
 app.command()(dst)
 app.command()(commission)

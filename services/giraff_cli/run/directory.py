@@ -6,6 +6,7 @@ import contextlib
 import fcntl
 import os
 import shutil
+import stat
 import tempfile
 from pathlib import Path
 from typing import Final
@@ -34,6 +35,22 @@ class RunDirectory:
         """Leave it to who wants to read the logs: no other run removes it."""
         (self.path / _LOCK).unlink()
         self._lock.close()
+
+
+def run_directories() -> list[Path]:
+    """Return the directories of this user's runs that go on; where none does, the last one with logs."""
+    left: list[tuple[float, Path]] = []
+    going_on: list[Path] = []
+    for path in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+        with contextlib.suppress(OSError):  # another's, or just gone
+            status, lock = path.lstat(), path / _LOCK
+            if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
+                continue
+            if lock.exists() and not _is_free(lock):
+                going_on.append(path)
+            elif any(path.glob("*.log")):
+                left.append((status.st_mtime, path))
+    return going_on or [path for _, path in sorted(left)[-1:]]
 
 
 def _remove_abandoned(parent: Path) -> None:

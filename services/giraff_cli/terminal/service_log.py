@@ -16,6 +16,7 @@ LEVELS: Final = {"debug": 0, "info": 1, "warning": 2, "error": 3, "critical": 4}
 """Ranks of the levels: the higher, the worse."""
 _NO_LEVEL: Final = "error"
 """Level of plain text. A service writes none: Python or a library has, of a fault."""
+_LAST_MOMENT: Final = 4.1e9  # s since 1970: the year 2099
 _LONGEST: Final = 500  # characters of a cause that is told on one line
 _TORN: Final = re.compile(r'\{"time":"([^"]*)","level":"(\w+)","service":"([^"]*)","message":"(.*)')
 _CRASH: Final = "Fatal Python error"
@@ -52,11 +53,12 @@ def read_entry(line: str, service: str, at: float) -> Entry:
 
 
 def moment_of(text: str, otherwise: float) -> float:
-    """Return the moment of a date and time in ISO 8601."""
+    """Return the moment of a date and time in ISO 8601; `otherwise` where it is none that a clock can have shown."""
     try:
-        return datetime.fromisoformat(text).timestamp()
+        at = datetime.fromisoformat(text).timestamp()
     except (ValueError, OverflowError, OSError):
         return otherwise
+    return at if 0.0 <= at < _LAST_MOMENT else otherwise
 
 
 def cause_of(lines: Sequence[str], *, crashed: bool) -> str:
@@ -100,6 +102,6 @@ def _decoded(line: str) -> _Line | None:
     """Return the parts of a service's line, also of one that its end cut off. None: it is another's."""
     try:
         return msgspec.json.decode(line, type=_Line)
-    except (msgspec.MsgspecError, UnicodeEncodeError):
+    except (msgspec.MsgspecError, UnicodeEncodeError, RecursionError):
         torn = _TORN.match(line)
         return None if torn is None else _Line(torn[1], torn[2], torn[3], torn[4])

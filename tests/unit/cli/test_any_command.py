@@ -94,6 +94,7 @@ ROBOTLESS: Mapping[str, str] = {
     "topic pub": "functional/one_robot/test_topics.py: it speaks for a robot that is not there, and has to be named",
     "play": "functional/one_robot/test_recordings.py: likewise",
     "replay": "unit/replay: it asks a file",
+    "logs": "functional/cli/test_logs.py: it asks this host",
     "vision": "unit/cli/test_vision.py: likewise",
     "run": "functional/robot/test_run.py: it brings its robot along",
     "dst": "dst: likewise",

@@ -55,6 +55,7 @@ SESSIONLESS = {
     "keys init",
     "keys host",
     "keys list",
+    "logs",
     "map convert",
     "map show",
     "replay",

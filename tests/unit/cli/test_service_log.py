@@ -50,8 +50,7 @@ def test_a_log_without_bounds_frees_its_beginning_and_loses_nothing_that_is_writ
         bound(log, most=200_000)
         writer.write(b"the last word")
         os.fsync(writer.fileno())
-    if log.stat().st_blocks * 512 > 500_000:
-        pytest.skip("this file system frees no part of a file")
+    assert log.stat().st_blocks * 512 < 400_000
     told = log.read_bytes()
     assert told.endswith(b"a" * 200_000 + b"the last word")
     assert told.startswith(b"\0" * 600_000)

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_cli.topic.echo import FieldError, selected
 from tests.rules.repository import ROOT
-from tests.unit.cli import mistakes_json
+from tests.unit.cli import mistakes_json, mistakes_screens
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 
@@ -183,6 +183,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("vision", "--from", DRIVE, "--file", ARDROS), "the robot file has no camera; write [robot.sensors.head] with"),
     *ANGLES,
     *mistakes_json.ROWS,
+    *mistakes_screens.ROWS,
 )
 
 

@@ -1,0 +1,1 @@
+"""`giraff logs`: the words of this host's services, in order of time."""
