@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import MagicMock
@@ -10,6 +12,10 @@ from unittest.mock import MagicMock
 import pytest
 import zenoh
 
+import giraff_cli.doctor.examine
+import giraff_cli.record.recorder
+import giraff_cli.terminal.screen
+import giraff_keyboard.main
 from giraff_cli.terminal.signals import StopSignal
 
 
@@ -82,3 +88,17 @@ def meet(monkeypatch: pytest.MonkeyPatch, *tokens: str) -> QuietNetwork:
 
     monkeypatch.setattr(StopSignal, "wait", wait)
     return network
+
+
+def alone(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    """Work in this folder, in a terminal, on a host that knows of no robot."""
+    monkeypatch.chdir(folder)
+    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
+    monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(giraff_keyboard.main, "in_terminal", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(gc, "freeze", lambda: None)
+    monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
+    monkeypatch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)

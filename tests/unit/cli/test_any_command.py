@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,15 +9,11 @@ from typing import Any
 import pytest
 import typer.main
 
-import giraff_cli.doctor.examine
-import giraff_cli.record.recorder
-import giraff_cli.terminal.screen
-import giraff_keyboard.main
 from giraff_cli.main import app
 from giraff_node.network import tokens
 from giraff_schemas.topics import alive_key
 from tests.rules.repository import ROOT
-from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.quiet_network import alone, meet
 from tests.unit.cli.typed import typed
 
 Words = tuple[str, ...]
@@ -144,16 +139,7 @@ def test_no_command_is_left_out() -> None:
 @pytest.fixture
 def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Typed:
     """Types a command on a host that knows of no robot: exit code, output and complaint."""
-    monkeypatch.chdir(tmp_path)
-    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
-    monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
-    monkeypatch.setattr(giraff_keyboard.main, "in_terminal", lambda: True)
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(gc, "freeze", lambda: None)
-    monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
-    monkeypatch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)
+    alone(monkeypatch, tmp_path)
 
     def say(path: str, words: Words, *more: str) -> tuple[int, str, str]:
         given = (str(tmp_path / "new") if word == "FILE" else word for word in words)

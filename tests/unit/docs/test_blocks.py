@@ -1,0 +1,166 @@
+"""Each command in a fenced block of README and docs is one that there is, with words that it takes.
+
+A command of `giraff` that asks files is run. One that asks a robot is run where there is none, and gets as far as
+saying so. One whose act is a test of its own is parsed. What is no `giraff` is in the table of outside.py.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from shutil import copy, copytree
+from typing import Final
+
+import pytest
+import typer
+
+import giraff_cli.run.begin
+from tests.rules.repository import ROOT
+from tests.unit.cli.quiet_network import alone, meet
+from tests.unit.cli.test_any_command import ASKING, ROBOTLESS, whole_commands
+from tests.unit.cli.typed import typed
+from tests.unit.docs.blocks import PAGES, Command, blocks, commands, hidden, split
+from tests.unit.docs.outside import OUTSIDE
+
+DATA: Final = ROOT / "tests" / "data" / "optiodom"
+DRIVE: Final = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
+GIRAFF: Final = {"giraff", ".venv/bin/giraff", "/opt/giraff/bin/giraff"}
+IN_DOCKER: Final = ("docker-compose", "run", "--rm", "giraff")
+RUN: Final = {
+    "calibrate odometry": "--fit",
+    "camera board": "",
+    "encoder disk": "",
+    "keys host": "",
+    "keys init": "",
+    "keys list": "",
+    "localize": "--from",
+    "map convert": "",
+    "map show": "",
+    "record": "--repair",
+    "replay": "",
+    "run": "",
+    "tune balance": "",
+}
+"""Commands that need files alone, and the option with which they do. The robot of `run` is replaced."""
+PLACEHOLDERS: Final = {"ADDRESS": "192.168.1.20", "HOST": "pi", "NAME": "anne", "ROBOT": "anne"}
+FILES: Final = {
+    **dict.fromkeys(("drive.mcap", "standing.mcap"), DRIVE),
+    "home.toml": ROOT / "deploy" / "worlds" / "flat.toml",
+    "robot-b.csv": DATA / "square-b_metadata.csv",
+    "monday/metadata.csv": DATA / "square-a_metadata.csv",
+    **{f"monday/run-{n}.csv": DATA / f"square-a_run-0{n}.csv" for n in (1, 2, 4, 5)},
+    **{f"tuesday/run-{n}.csv": DATA / f"square-a_run-0{n}.csv" for n in (3, 6)},
+    **{f"{letter}.csv": DATA / f"square-b_run-0{n}.csv" for letter, n in (("a", 1), ("b", 4), ("c", 3))},
+}
+"""Files that the pages' reader has, and what they are here."""
+NO_ROBOT: Final = re.compile(r"no robot (called \w+ )?is heard")
+ENDS: Final = {
+    "calibrate odometry": "the robot went 3.16 m and its wheels 16.01 m",  # these runs are of another robot
+    "estop engage": "nobody answered giraff/giraff/estop/engage|put this host's bundle of `giraff keys host` there",
+    "keys list": "desk: expires soon",
+    "record": "ended by the repair of cut-off.mcap",
+    "view": "no screen here|a recording is drawn to its end",
+    "web": "no page service of this user runs on this host",
+}
+"""Where a command ends here otherwise than well or with no robot, and has understood its words."""
+BEFORE: Final = {"docs/router.md": "giraff keys init"}
+"""What the reader of a page has done before."""
+
+Typed = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Typed:
+    """Type a command in a folder with the reader's files, on a network where no robot is."""
+    copytree(ROOT / "deploy", tmp_path / "deploy")
+    for name, source in FILES.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        copy(source, tmp_path / name)
+    (tmp_path / "cut-off.mcap").write_bytes(DRIVE.read_bytes()[:300_000])
+    alone(monkeypatch, tmp_path)
+    monkeypatch.setattr(giraff_cli.run.begin, "drive", lambda _plan: 0)
+    meet(monkeypatch)
+
+    def say(variables: dict[str, str], *words: str) -> tuple[int, str, str]:
+        with monkeypatch.context() as patch:
+            for name, value in variables.items():
+                patch.setenv(name, value)
+            return typed(monkeypatch, capsys, *words)
+
+    return say
+
+
+def wrong_with(command: Command, say: Typed) -> str:
+    """Return what is wrong with it; nothing where it stands for something that works."""
+    words = tuple(PLACEHOLDERS.get(word, word) for word in command.words)
+    if words[:4] == IN_DOCKER:
+        words = words[3:]
+    if words[0] in GIRAFF:
+        return _giraff(command, words[1:], say)
+    if words[0] in OUTSIDE:
+        return OUTSIDE[words[0]][1](words)
+    return "no test knows this program: add it to OUTSIDE, with why no test starts it"
+
+
+def _giraff(command: Command, words: tuple[str, ...], say: Typed) -> str:
+    known = whole_commands()
+    length = next((n for n in (2, 1) if " ".join(words[:n]) in known), 0)
+    path, rest = " ".join(words[:length]), list(words[length:])
+    if not length:
+        return "there is no such command"
+    try:
+        known[path].make_context(path, list(rest))
+    except typer.TyperException as error:
+        return error.format_message()
+    runs = path in RUN and RUN[path] in {*rest, ""}
+    if not runs and path not in ASKING:
+        return "" if path in ROBOTLESS else "neither ASKING nor ROBOTLESS of test_any_command.py has it"
+    takes = {name for parameter in known[path].params for name in parameter.opts}
+    ends = ("--for", "4") if not runs and "--for" in takes - set(rest) else ()
+    code, out, complaint = say(command.variables, *words, *ends)
+    said = complaint + out
+    is_well = code == 0 if runs else bool(NO_ROBOT.search(said))
+    return "" if is_well or (path in ENDS and re.search(ENDS[path], said)) else said
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
+def test_each_command_of_a_page_is_one_that_works(page: str, say: Typed) -> None:
+    before = split("", BEFORE.get(page, ""))
+    found = [f"{each}\n    {wrong}" for each in (*before, *commands(page)) if (wrong := wrong_with(each, say))]
+    assert not found, "\n".join(found)
+
+
+def test_no_command_stands_where_no_test_sees_it() -> None:
+    assert [line for page in PAGES for line in hidden(page)] == [], "give its block a language: sh or console"
+    languages = {block.language for page in PAGES for block in blocks(page)}
+    assert languages <= {"", "sh", "console", "toml", "python", "cpp"}
+
+
+def test_no_row_of_the_tables_is_left_over() -> None:
+    programs = {each.words[0] for page in PAGES for each in commands(page)}
+    assert set(OUTSIDE) <= programs
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "giraff wach",
+        "giraff topic echo odom --onec",
+        "giraff run --file deploy/robots/none.toml",
+        "giraff map show deploy/worlds/none.toml",
+        "giraff odom set 1,2",
+        "make rum",
+        "make install ROLL=robot",
+        "docker-compose run --rm giraff checks wheels",
+        "docker-compose logs wach",
+        "sudo systemctl restart giraff@bass",
+        "python -m giraff_helth base",
+        "pip install '.[viewers]'",
+        "cp deploy/env/desc.env .env",
+        "rviz2",
+    ],
+)
+def test_what_is_wrong_in_a_page_is_found(line: str, say: Typed) -> None:
+    [command] = split("a page", line)
+    assert wrong_with(command, say)
