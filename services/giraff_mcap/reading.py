@@ -145,6 +145,20 @@ class Recording:
         heard = [sample.heard_ns for sample in self.samples()]
         return (max(heard) - min(heard)) * 1e-9 if heard else 0.0
 
+    @cached_property
+    def bounds_ns(self) -> tuple[int, int]:
+        """ns since 1970 of the first sample and, about, of the last one, without reading what is between them."""
+        parts = self._layout.parts
+        last = [parts[-1].since_ns]
+        with suppress(*DAMAGE, MemoryError, OSError), self._open() as file:
+            last += [record.log_time for record in read_part(file, parts[-1]) if isinstance(record, Message)]
+        return parts[0].since_ns, max(last)
+
+    def share_before(self, heard_ns: int) -> float:
+        """Return the share of the recording, 0 to 1, that was heard before a moment (ns since 1970)."""
+        begin, end = self.bounds_ns
+        return min(max((heard_ns - begin) / (end - begin), 0.0), 1.0) if end > begin else 1.0
+
     def samples(self, keys: Sequence[str] = (), unread: Unread | None = None) -> Iterator[Recorded]:
         """Those of these keys (`range/*` stands for all below it), or all; in the order in which they were heard.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -12,8 +13,10 @@ from giraff_mcap.writing import RecordingWriter
 _BATCH: Final = 500
 
 
-def repair(path: Path, into: Path) -> RecordingWriter:
+def repair(path: Path, into: Path, on_share: Callable[[float], None] = lambda _: None) -> RecordingWriter:
     """Write the new file, which says what is missing; return its writer, closed.
+
+    `on_share` is given the share, 0 to 1, that is done.
 
     Raises RecordingError where nothing can be saved, OSError where it cannot be written.
     """
@@ -26,6 +29,7 @@ def repair(path: Path, into: Path) -> RecordingWriter:
                 writer.add(batch)
                 writer.sync()
                 batch.clear()
+                on_share(recording.share_before(sample.heard_ns))
         writer.add(batch)
         missing = "".join(f"; {line}" for line in writer.unread.texts())
         writer.close(f"a repair of {path.name}{missing}")

@@ -6,6 +6,7 @@ import time
 
 from rich.console import Console
 
+from giraff_cli.terminal.progress import Progress
 from giraff_cli.terminal.text import json_page
 from giraff_sim.dst.drill import SECONDS, Outcome
 from giraff_sim.dst.many import Totals, run_many
@@ -23,10 +24,13 @@ def explore(seeds: int, first: int, jobs: int, *, as_json: bool) -> int:
     console = Console(highlight=False, stderr=as_json)
     totals = Totals()
     began = time.monotonic()
-    for outcome in run_many(range(first, first + seeds), jobs):
-        totals.take(outcome, SECONDS)
-        if outcome.violations or seeds == 1:
-            _tell(console, outcome)
+    with Progress("seeds", seeds, shown=not as_json) as progress:
+        for outcome in run_many(range(first, first + seeds), jobs):
+            totals.take(outcome, SECONDS)
+            if outcome.violations or seeds == 1:
+                progress.hide()
+                _tell(console, outcome)
+            progress.move(totals.seeds)
     _sum_up(console, totals, time.monotonic() - began)
     if as_json:
         print(json_page(totals), flush=True)

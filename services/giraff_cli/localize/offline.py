@@ -13,6 +13,7 @@ from giraff_cli.localize.floor import floor_of
 from giraff_cli.localize.recorded import RecordedDrive
 from giraff_cli.localize.summary import summarize, to_json, to_text
 from giraff_cli.network.command import print_error
+from giraff_cli.terminal.progress import Progress
 from giraff_cli.terminal.screen import say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_core.kinematics.pose import Pose
@@ -45,7 +46,8 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
             began = time.monotonic()
             drive = RecordedDrive(LocalizationPolicy(config, robot, floor), place, _room(map_path))
             unread = Unread()
-            strange = _feed(recording, drive, stopping, unread)
+            with Progress("localizing", shown=not as_json) as progress:
+                strange = _feed(recording, drive, stopping, unread, progress)
             took = time.monotonic() - began
     except (MapError, RecordingError, ConfigError) as error:
         return print_error(str(error))
@@ -67,12 +69,14 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
     return _INCOMPLETE if unread or strange else DONE
 
 
-def _feed(recording: Recording, drive: RecordedDrive, stopping: StopSignal, unread: Unread) -> int:
+def _feed(recording: Recording, drive: RecordedDrive, stopping: StopSignal, unread: Unread, progress: Progress) -> int:
     """How many samples are not of this version. `unread` takes what is missing in the file."""
     strange = 0
     for number, recorded in enumerate(recording.samples((ODOM.key, RANGE.key, TRUE_POSE.key), unread)):
-        if number % _LOOK_EVERY == 0 and stopping.asked:
-            break
+        if number % _LOOK_EVERY == 0:
+            progress.move(recording.share_before(recorded.heard_ns))
+            if stopping.asked:
+                break
         try:
             drive.on_sample(recorded.decode(), recorded.heard_ns)
         except DecodeError:

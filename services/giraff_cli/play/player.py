@@ -16,6 +16,7 @@ from giraff_cli.network.command import print_error, run_on_network
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.topic_keys import UnknownKeyError, all_below_robot, find_topic, publish_refusal
 from giraff_cli.play.reader import Reader, RecordedSample
+from giraff_cli.terminal.progress import Progress
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_line
 from giraff_mcap.reading import Recording, RecordingError
@@ -70,11 +71,14 @@ def play(
     name = robot or f"replay-{recording.robot}"
     with StopSignal() as stopping:
         reader = Reader(recording, topics, loop=loop, skip_gaps=skip_gaps)
+        begin, end = recording.bounds_ns
+        # Whoever skips gaps does not know how many there are.
+        progress = Progress("playing", None if loop or skip_gaps else (end - begin) * 1e-9, shown=not as_json)
         return run_on_network(
             name,
             connect,
             lambda connection: _play(
-                connection, stopping, reader, Played(file=str(path), robot=name), keys, rate, as_json=as_json
+                connection, stopping, reader, Played(file=str(path), robot=name), keys, rate, progress, as_json=as_json
             ),
             role="apart",
         )
@@ -120,10 +124,12 @@ def _play(
     played: Played,
     keys: set[str],
     rate: float,
+    progress: Progress,
     *,
     as_json: bool,
 ) -> int:
     presence = Presence(connection.session, played.robot)
+    progress.prepare()
     reader.start()
     stopping.wait(_MEET_WITHIN)
     if why := _refusal(keys, presence.services):
@@ -136,6 +142,7 @@ def _play(
     while (said := reader.next()) is not None:
         due_ns = began_ns + round(said.at_ns / rate)
         if (silent := (due_ns - time.monotonic_ns()) * 1e-9) > _LONG_SILENCE:
+            progress.hide()
             tell(f"nothing was recorded here; the next sample comes in {silent:.0f} s (--skip-gaps leaves that out)")
         if stopping.wait((due_ns - time.monotonic_ns()) * 1e-9):
             played.ended_by = "Ctrl-C or a signal"
@@ -146,8 +153,10 @@ def _play(
         played.latest = max(played.latest, (now_ns - due_ns) * 1e-9)
         if now_ns - looked_ns > _LOOK_EVERY_NS:
             looked_ns = now_ns
+            progress.move(said.at_ns * 1e-9)
             if trouble := _refusal(keys, presence.services):
                 break
+    progress.hide()
     played.seconds = (time.monotonic_ns() - began_ns) * 1e-9
     trouble = trouble or reader.trouble
     played.ended_by = trouble or played.ended_by

@@ -8,6 +8,7 @@ from typing import Final
 
 from giraff_cli.network.command import print_error
 from giraff_cli.record.report import Report, told
+from giraff_cli.terminal.progress import Progress
 from giraff_mcap.reading import RecordingError
 from giraff_mcap.repair import repair as repair_into
 
@@ -18,7 +19,8 @@ def repair(path: Path, output: Path | None, *, as_json: bool) -> int:
     """Return the exit code, 1 where anything is missing. The file itself is left as it is."""
     into = output or path.with_name(f"{path.stem}-repaired.mcap")
     try:
-        writer = repair_into(path, into)
+        with Progress("repairing", shown=not as_json) as progress:
+            writer = repair_into(path, into, progress.move)
     except RecordingError as error:
         return print_error(str(error))
     except FileExistsError:
