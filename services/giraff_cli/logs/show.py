@@ -68,6 +68,7 @@ class _Reading:
         self._as_json = as_json
         is_terminal = sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"
         self._colours = is_terminal and not os.environ.get("NO_COLOR")
+        self._sources = [*SOURCES]
         self._streams: list[Stream] = []
         self._seen: dict[str, float] = {}
         """By name of each stream that has been opened: s since 1970 of its last entry before it ended; else 0."""
@@ -81,13 +82,18 @@ class _Reading:
         open_now = {stream.name: math.inf for stream in self._streams}
         wanted = self._wanted if is_first else self._wanted._replace(since=0.0, seen=self._seen | open_now)
         troubles = []
-        for source in SOURCES:
+        for source in list(self._sources):
             found, trouble = source(wanted)
-            troubles += [trouble] if trouble else []
+            if trouble:  # it is not asked again: one that hangs would hold up the rest each time
+                troubles.append(trouble)
+                self._sources.remove(source)
             for stream in found:
                 self._streams.append(stream)
                 self._seen.setdefault(stream.name, 0.0)
                 self._merge.open(stream.name, time.monotonic())
+        if not is_first:
+            for trouble in troubles:
+                _tell(f"{trouble}; what starts from here on is left out")
         if self._streams or not is_first:
             return ""
         if troubles:
@@ -130,7 +136,7 @@ class _Reading:
         now, waiting = time.monotonic(), self._merge.waiting(stream.name)
         if waiting < _MOST_WAITING and (entries := stream.read()):
             self._merge.add(stream.name, [each for each in entries if each.time > self._seen[stream.name]], now)
-            self._last[stream.name] = entries[-1].time
+            self._last[stream.name] = max(self._last.get(stream.name, 0.0), *(each.time for each in entries))
         elif not self._wanted.follow and not waiting and self._merge.is_overdue(stream.name, now):
             _tell(f"{stream.name} has said nothing for {_PATIENCE:g} s, and is left out from here on")
             stream.has_ended = True
