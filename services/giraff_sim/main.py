@@ -18,6 +18,7 @@ from typing import Final, get_args
 
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.process.logs import service_logger
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import Board, BoardError, Implementation
 from giraff_sim.bodies.kinds import read_drive, world_of
@@ -201,7 +202,7 @@ class Process:
 def main(arguments: list[str] | None = None) -> int:
     """Run the simulated robot until SIGTERM or SIGINT; the exit status."""
     options = parse(sys.argv[1:] if arguments is None else arguments)
-    logging.basicConfig(level=logging.INFO, format="giraff_sim: %(message)s", stream=sys.stderr)
+    service_logger("giraff_sim")
     try:
         with ExitStack() as stack:
             robot, sim = load("robot", RobotConfig), load("sim", SimConfig)

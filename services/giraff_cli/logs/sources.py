@@ -15,6 +15,7 @@ from typing import Final, NamedTuple
 from giraff_cli.logs.entries import container_entry, journal_entry
 from giraff_cli.run.directory import run_directories
 from giraff_cli.terminal.service_log import Entry, read_entry
+from giraff_schemas.services import SERVICES
 from giraff_schemas.trouble import WELL, Trouble
 
 _CHUNK: Final = 65_536  # bytes
@@ -163,7 +164,9 @@ def journal(wanted: Wanted) -> tuple[list[Stream], Trouble]:
     """Return the stream of the units giraff@*, or why there is none."""
     if wanted.seen:
         return [], WELL  # it knows of new units by itself
-    units = [f"--unit=giraff@{service}" for service in wanted.services or ("*",)]
+    # By name: a pattern would stand for those units alone that the journal knows already.
+    names = wanted.services or [service.name for service in SERVICES if service.entry]
+    units = [f"--unit=giraff@{name}.service" for name in names]
     command = ["journalctl", "--output=json", "--all", "--no-pager", *units]
     out, trouble = _asked([*command, "--lines=1"], _JOURNAL_DENIED)
     if not out:

@@ -12,7 +12,6 @@ import math
 import select
 import signal
 import socket
-import sys
 import time
 from pathlib import Path
 from typing import Final
@@ -24,6 +23,7 @@ from giraff_camera.device.raw_frames import Header, Wanted
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.process.logs import service_logger
 from giraff_node.process.malloc import keep_freed_memory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.text import plain
@@ -176,7 +176,7 @@ def main(arguments: list[str] | None = None) -> int:
     add("--floor", choices=FLOORS, default="planks", help="(default planks)")
     given = parser.parse_args(arguments)
     keep_freed_memory()
-    logging.basicConfig(level=logging.INFO, format="giraff_sim.camera: %(message)s", stream=sys.stderr)
+    service_logger("giraff_sim")
     try:
         _, camera = camera_of(load("camera", CameraConfig), load("robot", RobotConfig))
         with SimulatorClient(given.control) as client:
