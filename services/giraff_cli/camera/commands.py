@@ -70,6 +70,6 @@ def print_board(
     try:
         file.write_text(drawing(), encoding="utf-8")
     except OSError as error:
-        typer.echo(f"giraff camera board: {file} cannot be written: {error.strerror}", err=True)
-        raise typer.Exit(1) from error
+        typer.echo(f"giraff camera board: {file} cannot be written: {error.strerror}; name another file", err=True)
+        raise typer.Exit(2) from error
     typer.echo(f"{file}: print it on A4 in landscape at 100 %, not fitted to the page; both rulers must be 100 mm.")

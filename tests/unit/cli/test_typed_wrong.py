@@ -8,7 +8,7 @@ import pytest
 
 from giraff_cli.topic.echo import FieldError, selected
 from tests.rules.repository import ROOT
-from tests.unit.cli import mistakes_json, mistakes_screens
+from tests.unit.cli import mistakes_files, mistakes_json, mistakes_screens
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 
@@ -182,6 +182,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("vision", "--from", DRIVE, "--camera", "ear"), "--camera is 'ear', and the robot file's cameras are head: name"),
     (("vision", "--from", DRIVE, "--file", ARDROS), "the robot file has no camera; write [robot.sensors.head] with"),
     *ANGLES,
+    *mistakes_files.ROWS,
     *mistakes_json.ROWS,
     *mistakes_screens.ROWS,
 )
