@@ -1,7 +1,7 @@
 """docs/tools.md shows what the commands really say of a robot that keeps its pace, so it takes a quiet machine.
 
 `GIRAFF_WRITE_DOCS=1 pytest tests/timing/desk/test_tools_page.py` writes the outputs anew. Otherwise those of the page
-are compared in form: numbers, ids and blanks may differ. tests/unit/cli/test_tools_page.py tries each command that it
+are compared in form: numbers, ids and blanks may differ. tests/unit/docs/test_blocks.py tries each command that it
 names for its words and options.
 """
 

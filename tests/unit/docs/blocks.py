@@ -63,6 +63,13 @@ def commands(page: str) -> list[Command]:
     return [each for block in blocks(page) for place, line in _lines(block) for each in split(place, line)]
 
 
+def mentioned(page: str) -> list[Command]:
+    """Return what a page names in its text, between backquotes, of `giraff` and `make`."""
+    text = _BLOCK.sub("", (ROOT / page).read_text())
+    found = re.findall(r"`((?:giraff|make) [^`]+)`", text)
+    return [next(split(page, " ".join(said.split()).replace("\\|", "|"))) for said in found]
+
+
 def _lines(block: Block) -> Iterator[tuple[str, str]]:
     """Yield the command lines; in a `console` block they begin with a dollar, and the rest is output."""
     if block.language not in {"sh", "console"}:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from shutil import copy, copytree
 from typing import Final
@@ -20,11 +21,12 @@ from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import alone, meet
 from tests.unit.cli.test_any_command import ASKING, ROBOTLESS, whole_commands
 from tests.unit.cli.typed import typed
-from tests.unit.docs.blocks import PAGES, Command, blocks, commands, hidden, split
+from tests.unit.docs.blocks import PAGES, Command, blocks, commands, hidden, mentioned, split
 from tests.unit.docs.outside import OUTSIDE
 
 DATA: Final = ROOT / "tests" / "data" / "optiodom"
 DRIVE: Final = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
+KNOWN: Final = cache(whole_commands)
 GIRAFF: Final = {"giraff", ".venv/bin/giraff", "/opt/giraff/bin/giraff"}
 IN_DOCKER: Final = ("docker-compose", "run", "--rm", "giraff")
 RUN: Final = {
@@ -104,7 +106,7 @@ def wrong_with(command: Command, say: Typed) -> str:
 
 
 def _giraff(command: Command, words: tuple[str, ...], say: Typed) -> str:
-    known = whole_commands()
+    known = KNOWN()
     length = next((n for n in (2, 1) if " ".join(words[:n]) in known), 0)
     path, rest = " ".join(words[:length]), list(words[length:])
     if not length:
@@ -129,6 +131,24 @@ def test_each_command_of_a_page_is_one_that_works(page: str, say: Typed) -> None
     before = split("", BEFORE.get(page, ""))
     found = [f"{each}\n    {wrong}" for each in (*before, *commands(page)) if (wrong := wrong_with(each, say))]
     assert not found, "\n".join(found)
+
+
+def misnamed(command: Command) -> str:
+    """Return what is wrong with words in a text: they may be of a group, and leave out what a command needs."""
+    if command.words[0] == "make":
+        return OUTSIDE["make"][1](command.words)
+    known, (name, *rest) = KNOWN(), command.words[1:]
+    groups = {path.split()[0] for path in known if " " in path}
+    path = f"{name} {rest[0]}" if name in groups and rest else name
+    if path not in {*known, *groups, "COMMAND"}:
+        return "there is no such command"
+    takes = {"--help"} | {each for parameter in getattr(known.get(path), "params", ()) for each in parameter.opts}
+    return ", ".join(f"it has no {word}" for word in rest if word.startswith("--") and word not in takes)
+
+
+@pytest.mark.parametrize("page", [*PAGES, "CONTRIBUTING.md"])
+def test_each_command_that_a_text_names_exists(page: str) -> None:
+    assert [f"{each}: {wrong}" for each in mentioned(page) if (wrong := misnamed(each))] == []
 
 
 def test_no_command_stands_where_no_test_sees_it() -> None:
@@ -164,3 +184,9 @@ def test_no_row_of_the_tables_is_left_over() -> None:
 def test_what_is_wrong_in_a_page_is_found(line: str, say: Typed) -> None:
     [command] = split("a page", line)
     assert wrong_with(command, say)
+
+
+@pytest.mark.parametrize("line", ["giraff wach", "giraff topic eco odom", "giraff view --wep", "make rum"])
+def test_what_is_wrong_in_a_text_is_found(line: str) -> None:
+    [command] = split("a page", line)
+    assert misnamed(command)
