@@ -62,9 +62,8 @@ class Show:
             raise ViewerError(f"{path} cannot be written: {reason}") from error
         self._begin()
 
-    def to_browsers(self, port: int, data_port: int, memory: str) -> str:
-        """To any browser that asks; the address for it. Raises ViewerError."""
-        host = socket.gethostname()
+    def to_browsers(self, port: int, data_port: int, memory: str) -> None:
+        """Serve any browser that asks, at all addresses of this machine. Raises ViewerError."""
         require_free(port)
         require_free(data_port)
         try:
@@ -78,7 +77,6 @@ class Show:
         except RuntimeError as error:
             raise ViewerError(f"no web viewer at port {port}: {error}") from error
         self._begin()
-        return f"http://{host}:{port}/?url=rerun%2Bhttp://{host}:{data_port}/proxy"
 
     def on_sample(self, topic: Topic[Any], sample: Sample, at_ns: int) -> None:
         """Draw what a sample changes."""

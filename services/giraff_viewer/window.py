@@ -15,6 +15,7 @@ from typing import Final, Self
 import rerun_cli
 from rerun.experimental import ViewerClient
 
+from giraff_viewer.graphics import NO_VULKAN
 from giraff_viewer.memory import GIVE_BACK, LATECOMERS
 
 PICTURE_SIZE: Final = "1600x1000"
@@ -24,6 +25,8 @@ _SHOWN_WITHIN: Final = 60.0  # s
 _POPUPS_GONE: Final = 6.0  # s after its start the viewer no longer tells about itself over the picture
 _SETTLE: Final = 1.0  # s that the views take for what has come
 _END_WITHIN: Final = 3.0  # s
+_NO_GRAPHICS: Final = "Failed to get render context"
+"""In the viewer's last words, where it finds nothing that draws."""
 
 
 class ViewerError(Exception):
@@ -79,9 +82,12 @@ class Window:
                 raise ViewerError(f"the viewer has not shown everything within {_SHOWN_WITHIN:g} s")
             time.sleep(0.1)
         time.sleep(max(_SETTLE, self._began + _POPUPS_GONE - time.monotonic()))
+        part = path.absolute().with_name(f".{path.name}.part.png")
         try:
-            self._client().save_screenshot(str(path.absolute()))
+            self._client().save_screenshot(str(part))
+            part.replace(path)
         except (OSError, RuntimeError) as error:
+            part.unlink(missing_ok=True)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(_END_WITHIN)  # whoever falls over takes a moment to say why
             self.is_open()
@@ -116,7 +122,10 @@ class Window:
 
     def _last_word(self) -> str:
         self._said.seek(0)
-        lines = self._said.read().decode(errors="replace").split("\n")
+        said = self._said.read().decode(errors="replace")
+        if _NO_GRAPHICS in said:
+            return NO_VULKAN
+        lines = said.split("\n")
         telling = [line.strip() for line in lines if "panicked" in line or "Error" in line or "ERROR" in line]
         return telling[-1][:300] if telling else "it does not say why; try --web, or --save"
 

@@ -22,8 +22,15 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
     picture: Annotated[
         Path | None, typer.Option(metavar="FILE", help="No window: write the last sight as PNG.", show_default=False)
     ] = None,
-    web: Annotated[bool, typer.Option("--web", help="No window: for any browser of the network.")] = False,
-    port: Annotated[int, typer.Option(metavar="N", min=1024, max=65534, help="Of --web; data has the next.")] = 9090,
+    web: Annotated[
+        bool, typer.Option("--web", help="No window: for every browser of the network, without a password.")
+    ] = False,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1024, max=65534, help="Of --web, else 9090; data has the next.", show_default=False
+        ),
+    ] = None,
     memory: Annotated[
         str, typer.Option(metavar="LIMIT", help="Like 500MB or 25%; beyond it the oldest is forgotten.")
     ] = "1GB",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -125,16 +126,25 @@ def _refusal(recording: Path | None, options: Options) -> str:
         return f"--for {options.seconds:g}: give a positive number of seconds, or leave it out to go on until Ctrl-C"
     if recording is not None and (options.camera or options.seconds is not None):
         return "--camera and --for are for a live robot; a recording is drawn to its end, with the pictures in it"
+    if recording is not None and recording.suffix == ".rrd":
+        return f"{recording}: rerun itself opens what --save has written: rerun {shlex.quote(str(recording))}"
     if options.picture is not None and recording is None and options.seconds is None:
         return "--picture of a live robot: say when, with --for SECONDS"
-    if sum((options.save is not None, options.picture is not None, options.web)) > 1:
-        return "--save, --picture and --web: one at a time"
-    if options.picture is not None and options.picture.suffix != ".png":
-        return f"--picture {options.picture}: it is written as PNG; give a name that ends in .png"
-    if options.picture is not None and not options.picture.absolute().parent.is_dir():
-        return f"--picture {options.picture}: there is no such folder; make it first"
     try:
         require_memory(options.memory)
     except ValueError as error:
         return f"--memory: {error}"
+    return _output_refusal(options)
+
+
+def _output_refusal(options: Options) -> str:
+    """Return what is wrong with where it is to be shown."""
+    if sum((options.save is not None, options.picture is not None, options.web)) > 1:
+        return "--save, --picture and --web: one at a time"
+    if options.port is not None and not options.web:
+        return f"--port {options.port}: it is for --web; add --web, or leave it out"
+    if options.picture is not None and options.picture.suffix != ".png":
+        return f"--picture {options.picture}: it is written as PNG; give a name that ends in .png"
+    if options.picture is not None and not options.picture.absolute().parent.is_dir():
+        return f"--picture {options.picture}: there is no such folder; make it first"
     return ""

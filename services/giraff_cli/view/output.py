@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Final, NamedTuple, NoReturn
@@ -15,13 +16,16 @@ from giraff_cli.network.ports import free_port
 from giraff_cli.terminal.text import json_line
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.network.host_addresses import host_addresses
 from giraff_schemas.text import printable
+from giraff_viewer.graphics import NO_VULKAN, has_vulkan
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show, require_screen
 from giraff_viewer.window import ViewerError, Window
 
 DONE: Final = 0
 FAILED: Final = 1
+DEFAULT_PORT: Final = 9090
 
 
 class Options(NamedTuple):
@@ -30,7 +34,7 @@ class Options(NamedTuple):
     save: Path | None
     picture: Path | None
     web: bool
-    port: int
+    port: int | None
     memory: str
     seconds: float | None
     as_json: bool
@@ -52,12 +56,17 @@ class ViewerOutput(ExitStack):
         if options.save is not None:
             self.show.to_file(options.save)
         elif options.web:
-            self.address = self.show.to_browsers(options.port, options.port + 1, options.memory)
-            print(f"giraff view: open {self.address}", file=sys.stderr, flush=True)
+            port = options.port or DEFAULT_PORT
+            self.show.to_browsers(port, port + 1, options.memory)
+            self.address, *others = browser_addresses(host_addresses(), port)
+            for address in (self.address, *others):
+                print(f"giraff view: open {address}", file=sys.stderr, flush=True)
         else:
-            if options.picture is None:
-                require_screen()
             headless = options.picture is not None
+            if not headless:
+                require_screen()
+            elif not has_vulkan():
+                raise ViewerError(NO_VULKAN)
             self.window = self.enter_context(Window(free_port(), options.memory, headless=headless))
             self.show.to_window(self.window.url)
 
@@ -73,7 +82,10 @@ class ViewerOutput(ExitStack):
 
     def end(self, *, hurried: bool) -> int:
         """Everything was drawn; the exit code. `hurried`: without a picture. Raises ViewerError."""
-        self.show.close()
+        if self._options.web:
+            self.show.flush()  # closing would end what serves it
+        else:
+            self.show.close()
         if self.window is not None and self._options.picture is not None and not hurried:
             self.window.picture(self._options.picture, self.show.newest)
         if self._options.as_json:
@@ -87,6 +99,16 @@ class ViewerOutput(ExitStack):
         elif (file := self._options.save or self._options.picture) is not None and file.exists():
             print(f"written: {printable(str(file))}", flush=True)
         return DONE
+
+
+def browser_addresses(hosts: Iterable[str], port: int) -> list[str]:
+    """Return what opens the viewer in a browser: on other machines by each address of this one, then on this one.
+
+    The data are at the next port. The browser fetches them from where it has the page from.
+    """
+    return [
+        f"http://{host}:{port}/?url=rerun%2Bhttp://{host}:{port + 1}/proxy" for host in (*sorted(hosts), "127.0.0.1")
+    ]
 
 
 def give_up(error: ViewerError) -> NoReturn:

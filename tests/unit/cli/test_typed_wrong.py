@@ -181,6 +181,12 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("vision", "--from", DRIVE), "no picture of head in it; record them with giraff record --camera"),
     (("vision", "--from", DRIVE, "--camera", "ear"), "--camera is 'ear', and the robot file's cameras are head: name"),
     (("vision", "--from", DRIVE, "--file", ARDROS), "the robot file has no camera; write [robot.sensors.head] with"),
+    (
+        ("view", DRIVE, "--picture", "a.png"),
+        "no Vulkan driver is found here, and --picture draws with one; install one",
+    ),
+    (("view", "--port", "9000"), "--port 9000: it is for --web; add --web, or leave it out"),
+    (("view", "drive.rrd"), "rerun itself opens what --save has written: rerun drive.rrd"),
     *ANGLES,
     *mistakes_files.ROWS,
     *mistakes_json.ROWS,
@@ -201,6 +207,7 @@ def test_it_is_told_in_a_line(
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
     monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setenv("VK_DRIVER_FILES", "none.json")
     network = meet(monkeypatch)
     code, out, complaint = typed(monkeypatch, capsys, *words)
     assert (code, out) == (2, "")
