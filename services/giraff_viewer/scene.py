@@ -47,6 +47,10 @@ _HEADING: Final = 1.5  # radii of the robot
 _GRAVITY: Final = 9.81  # m/s²
 
 
+Wall = tuple[float, float, float, float]
+"""m. From x, y to x, y."""
+
+
 class Scene:
     """One robot. Times are ns of one clock, that of whoever heard it."""
 
@@ -122,9 +126,7 @@ class Scene:
                 rows += self._draw_cones(at_ns)
             case MapPose() | Particles() | MapWalls():
                 rows += self._whereabouts.on_sample(sample)
-                walls = sample.walls if isinstance(sample, MapWalls) else ()
-                rows += self._surroundings.on_map(walls)
-                rows += self._draw_grid([point for wall in walls for point in (wall[:2], wall[2:])])
+                rows += self._draw_map(sample.walls if isinstance(sample, MapWalls) else ())
             case Tick() | Picture():
                 rows += self._pictures.on_sample(sample, at_ns)
             case VisualOdometry():
@@ -193,6 +195,12 @@ class Scene:
             return rows
         strips = [placed(strip, *apart) for strip in self._outline]
         return [*rows, (f"{FLOOR}/truth", rr.LineStrips2D(strips, colors=[TRUTH], radii=[0.008], labels=["truth"]))]
+
+    def _draw_map(self, walls: tuple[Wall, ...]) -> list[Row]:
+        """The room goes, and its lines with it: until the robot was found, nobody knew where `odom` is in `map`."""
+        if rows := self._surroundings.on_map(walls):
+            self._spread = None
+        return rows + self._draw_grid([point for wall in walls for point in (wall[:2], wall[2:])])
 
     def _draw_grid(self, places: list[Point]) -> list[Row]:
         """Lines a metre apart, from a metre beside all places that were heard of: the picture's axes."""

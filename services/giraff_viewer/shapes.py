@@ -19,6 +19,8 @@ NORMAL_95: Final = 1.96
 """Standard deviations to either side within which 95 of 100 numbers lie."""
 
 _FARTHEST: Final = 1000.0  # m: whoever is less sure than that of where a robot is draws a circle as large as any floor
+_NUMBERED: Final = 8
+"""m across, over which each line may have its number."""
 _RAYS: Final = 8
 _RINGS: Final = 4
 
@@ -55,11 +57,15 @@ def headings(variance: float, length: float) -> list[Strip]:
 
 
 def grid(west: int, south: int, east: int, north: int) -> tuple[list[Strip], dict[Point, str]]:
-    """Return lines a metre apart over a piece of floor, and the numbers along its southern and western edge."""
+    """Return lines a metre apart over a piece of floor, and the numbers along its southern and western edge.
+
+    On a large piece only every second one has its number, or fewer have: there is no room for more.
+    """
+    step = 1 + (east - west) // _NUMBERED
     across: list[Strip] = [[(west, y), (east, y)] for y in range(south, north + 1)]
     along: list[Strip] = [[(x, south), (x, north)] for x in range(west, east + 1)]
-    numbers = {(float(x), float(south)): f"x {x} m" for x in range(west + 1, east)}
-    return across + along, numbers | {(float(west), float(y)): f"y {y} m" for y in range(south + 1, north)}
+    numbers = {(float(x), float(south)): f"x {x} m" for x in range(west + 1, east, step)}
+    return across + along, numbers | {(float(west), float(y)): f"y {y} m" for y in range(south + 1, north, step)}
 
 
 def placed(strip: Strip, x: float, y: float, yaw: float) -> Strip:

@@ -107,7 +107,8 @@ def browser_addresses(hosts: Iterable[str], port: int) -> list[str]:
     The data are at the next port. The browser fetches them from where it has the page from.
     """
     return [
-        f"http://{host}:{port}/?url=rerun%2Bhttp://{host}:{port + 1}/proxy" for host in (*sorted(hosts), "127.0.0.1")
+        f"http://{host}:{port}/?url=rerun%2Bhttp://{host}:{port + 1}/proxy&theme=dark"
+        for host in (*sorted(hosts), "127.0.0.1")
     ]
 
 

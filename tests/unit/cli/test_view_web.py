@@ -15,9 +15,9 @@ from giraff_viewer.window import ViewerError
 
 def test_each_address_leads_to_page_and_data_of_one_machine_and_this_one_is_last() -> None:
     assert browser_addresses({"192.168.1.7", "10.0.0.2"}, 9090) == [
-        "http://10.0.0.2:9090/?url=rerun%2Bhttp://10.0.0.2:9091/proxy",
-        "http://192.168.1.7:9090/?url=rerun%2Bhttp://192.168.1.7:9091/proxy",
-        "http://127.0.0.1:9090/?url=rerun%2Bhttp://127.0.0.1:9091/proxy",
+        "http://10.0.0.2:9090/?url=rerun%2Bhttp://10.0.0.2:9091/proxy&theme=dark",
+        "http://192.168.1.7:9090/?url=rerun%2Bhttp://192.168.1.7:9091/proxy&theme=dark",
+        "http://127.0.0.1:9090/?url=rerun%2Bhttp://127.0.0.1:9091/proxy&theme=dark",
     ]
 
 

@@ -27,6 +27,7 @@ from giraff_schemas.topics import (
     LOCALIZATION_SET_POSE,
     MOTION_HOLD,
     MOTION_QUERIES,
+    ODOM_ECHOES,
     ODOM_RESET,
     ODOM_SET_POSE,
     OPERATOR_CMD_VEL,
@@ -89,7 +90,8 @@ def test_nobody_else_commands(host: str) -> None:
     [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
 )
 def test_whoever_is_named_may_stop_and_operators_reset_and_set(host: str, stops: bool, sets: bool) -> None:
-    assert lets_in(host, "query", key_of(ROBOT, ESTOP_ENGAGE)) == stops
+    for query in (ESTOP_ENGAGE, ODOM_ECHOES):
+        assert lets_in(host, "query", key_of(ROBOT, query)) == stops, query.key
     asked = (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL, PARAM_SET.at("guard"))
     for query in asked:
         assert lets_in(host, "query", key_of(ROBOT, query)) == sets, query.key

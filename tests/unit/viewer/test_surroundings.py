@@ -34,8 +34,12 @@ def test_a_map_takes_the_room_away_for_good() -> None:
     scene.on_sample(topics.TRUE_POSE, TRUTH, SECOND)
     empty = msgspec.structs.replace(WALLS, walls=())
     assert "floor/room" not in paths(scene.on_sample(topics.MAP, empty, SECOND))
-    assert strips_of(dict(scene.on_sample(topics.MAP, WALLS, SECOND))["floor/room"]) == []
-    assert "floor/room" not in paths(scene.on_sample(topics.TRUE_POSE, TRUTH, 3 * SECOND))
+    rows = dict(scene.on_sample(topics.MAP, WALLS, SECOND))
+    assert strips_of(rows["floor/room"]) == []
+    numbers = rows["floor/grid/numbers"].labels.as_arrow_array().to_pylist()
+    assert numbers[0] == "x 0 m", "the grid is about the map alone"
+    anew = msgspec.structs.replace(TRUTH, walls=(LINES[0][:2],))
+    assert "floor/room" not in paths(scene.on_sample(topics.TRUE_POSE, anew, 3 * SECOND))
 
 
 def test_echoes_from_before_are_there_at_the_first_pose_and_new_ones_join_them() -> None:
