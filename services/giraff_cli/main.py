@@ -1,90 +1,123 @@
-"""The `giraff` command: its verbs. What they do is imported when it is asked for."""
+"""The `giraff` command: its verbs in groups. A verb's module is imported when the verb is typed."""
 
 from __future__ import annotations
 
-import typer
+from collections.abc import Iterator, Mapping, MutableMapping
+from importlib import import_module
+from typing import Annotated, Any, Final
 
-from giraff_cli.calibrate.commands import calibrate
-from giraff_cli.camera.commands import camera
-from giraff_cli.check.commands import check
-from giraff_cli.commission.commands import commission
-from giraff_cli.doctor.commands import doctor
-from giraff_cli.drive.commands import drive
-from giraff_cli.dst.commands import dst
-from giraff_cli.encoder.commands import encoder
-from giraff_cli.estop.commands import estop
-from giraff_cli.frames.commands import frames
-from giraff_cli.graph.commands import graph
-from giraff_cli.keys.commands import keys
-from giraff_cli.localize.commands import localize
-from giraff_cli.logs.commands import logs
-from giraff_cli.map.commands import maps
-from giraff_cli.motion.commands import arc, go, move, turn
-from giraff_cli.node.commands import node
-from giraff_cli.odom.commands import odom
+import typer
+from typer.core import TyperGroup
+from typer.main import get_command, get_group, solve_typer_info_help
+from typer.models import TyperInfo
+
 from giraff_cli.options import NEGATIVE
-from giraff_cli.param.commands import param
-from giraff_cli.play.commands import play
-from giraff_cli.record.commands import record
-from giraff_cli.replay.commands import replay
-from giraff_cli.run.commands import run
-from giraff_cli.top.commands import top
-from giraff_cli.topic.commands import topic
-from giraff_cli.tune.commands import tune
-from giraff_cli.view.commands import view
-from giraff_cli.vision.commands import vision
-from giraff_cli.watch.commands import watch
-from giraff_cli.web.commands import web
-from giraff_cli.why.commands import why
+from giraff_cli.usage import first_sentence, with_plain_help
+
+GROUPS: Final[Mapping[str, Mapping[str, str]]] = {
+    "Drive": {
+        **dict.fromkeys(("move", "turn", "arc", "go"), "motion"),
+        **{verb: verb for verb in ("run", "drive", "web", "estop")},
+    },
+    "Watch": {verb: verb for verb in ("watch", "view", "top", "camera", "localize")},
+    "Ask": {verb: verb for verb in ("why", "doctor", "logs", "topic", "node", "param", "graph", "frames", "odom")},
+    "Record": {verb: verb for verb in ("record", "play", "replay", "vision")},
+    "Set up": {verb: verb for verb in ("commission", "check", "calibrate", "tune", "encoder", "map", "keys")},
+    "Develop": {verb: verb for verb in ("dst",)},
+}
+"""By the heading of its section in the help: each verb with the folder of its module `commands`."""
+_FOLDERS: Final = {verb: folder for verbs in GROUPS.values() for verb, folder in verbs.items()}
+_ATTRIBUTES: Final = {"map": "maps"}
+"""Names in the module that differ from the verb: Python has a `map` of its own."""
+_TAKES_NUMBERS: Final = {"move", "turn", "arc", "go"}
+
+
+class _Verbs(Mapping[str, Any]):
+    """Typer's commands by verb. A look at one imports it; the names cost nothing."""
+
+    def __init__(self) -> None:
+        self._built: dict[str, Any] = {}
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_FOLDERS)
+
+    def __len__(self) -> int:
+        return len(_FOLDERS)
+
+    def __contains__(self, verb: object) -> bool:
+        return verb in _FOLDERS
+
+    def __getitem__(self, verb: str) -> Any:
+        if verb not in self._built:
+            command: Any = _built(verb)
+            command.name = verb
+            self._built[verb] = with_plain_help(command)
+        return self._built[verb]
+
+
+class VerbGroup(TyperGroup):
+    """The command line of all verbs, which imports the one that is typed."""
+
+    def __init__(self, *, commands: MutableMapping[str, Any] | None = None, **more: Any) -> None:
+        super().__init__(**more)
+        del commands  # Typer knows of none
+        verbs: Any = _Verbs()
+        self.commands = verbs
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write a section for each group."""
+        del ctx
+        for heading, verbs in GROUPS.items():
+            with formatter.section(heading):
+                formatter.write_dl([(verb, first_sentence(_help(_imported(verb)))) for verb in verbs], col_max=12)
+
+
+def _imported(verb: str) -> Any:
+    module = import_module(f"giraff_cli.{_FOLDERS[verb]}.commands")
+    return getattr(module, _ATTRIBUTES.get(verb, verb))
+
+
+def _built(verb: str) -> Any:
+    """Typer's command of a verb. Raises KeyError."""
+    found = _imported(verb)
+    if isinstance(found, typer.Typer):
+        return get_group(found)
+    alone = typer.Typer(add_completion=False)
+    alone.command(context_settings=NEGATIVE if verb in _TAKES_NUMBERS else None)(found)
+    return get_command(alone)
+
+
+def _help(found: Any) -> str:
+    """Return the help of what a module has for a verb, without its options, which take Typer long to build."""
+    return solve_typer_info_help(TyperInfo(found)) if isinstance(found, typer.Typer) else found.__doc__ or ""
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from giraff_node.process.version import version  # noqa: PLC0415
+
+        typer.echo(f"giraff {version()}")
+        raise typer.Exit
+
 
 app = typer.Typer(
     name="giraff",
+    cls=VerbGroup,
     help="A masterless multi-machine robot.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
-for verb in (
-    record,
-    play,
-    replay,
-    graph,
-    frames,
-    top,
-    view,
-    doctor,
-    run,
-    logs,
-    why,
-    watch,
-    drive,
-    web,
-    localize,
-    vision,
-):
-    app.command()(verb)
-app.command()(dst)
-app.command()(commission)
-for motion in (move, turn, arc):
-    app.command(context_settings=NEGATIVE)(motion)
-app.command(context_settings=NEGATIVE)(go)
-for name, verbs in (
-    ("estop", estop),
-    ("calibrate", calibrate),
-    ("camera", camera),
-    ("check", check),
-    ("encoder", encoder),
-    ("keys", keys),
-    ("map", maps),
-    ("topic", topic),
-    ("node", node),
-    ("param", param),
-    ("odom", odom),
-    ("tune", tune),
-):
-    app.add_typer(verbs, name=name)
 
 
 @app.callback()
-def giraff() -> None:
+def giraff(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Number and digest of the program."),
+    ] = False,
+) -> None:
     """A masterless multi-machine robot."""
+    del version

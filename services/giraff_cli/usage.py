@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from copy import copy
 from typing import Any, Final
 
 import typer.main
 
-from giraff_schemas.text import plain
+from giraff_schemas.text import meant, plain
 
 _LONGEST: Final = 20
 """Characters of the words of an option that stand in its column."""
@@ -16,25 +17,27 @@ _LONGEST: Final = 20
 
 def obey(app: typer.Typer) -> int:
     """Do what the command line asks for; the exit code."""
-    command = with_plain_help(typer.main.get_command(app))
+    command: Any = typer.main.get_command(app)
     try:
         return command.main(prog_name="giraff", standalone_mode=False) or 0
     except typer.TyperException as error:
-        from giraff_cli.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom
-
-        path = _path(command, sys.argv[1:])
-        if what := plain(error.format_message()).rstrip("."):  # else it has shown the help
-            what = (redirected(what) if "extra argument" in what else "") or what
-            print(f"{path}: {what[0].lower()}{what[1:]} (see {path} --help)", file=sys.stderr, flush=True)
+        path, command, rest = _path(command, sys.argv[1:])
+        if not rest and hasattr(command, "commands"):  # its message is the help
+            print(error.format_message(), flush=True)
+        else:
+            print(f"{path}: {_told(error, command, rest)} (see {path} --help)", file=sys.stderr, flush=True)
         return error.exit_code
 
 
 def with_plain_help(command: Any) -> Any:
     """The command, whose help and that of all below it has paragraphs of one line, and no types of Python's.
 
-    Typer keeps the line ends of the source and breaks the lines between them once more.
+    Typer keeps the line ends of the source and breaks the lines between them once more. It would also draw frames by
+    a library that takes longer to import than all else.
     """
     command.help = "\n\n".join(" ".join(each.split()) for each in (command.help or "").split("\n\n"))
+    command.short_help = first_sentence(command.help)
+    command.rich_markup_mode = None
     for parameter in command.params:
         kind = parameter.type = copy(parameter.type)  # one object for all texts
         words = getattr(kind, "choices", ())
@@ -50,12 +53,38 @@ def with_plain_help(command: Any) -> Any:
     return command
 
 
-def _path(command: Any, words: list[str]) -> str:
-    """The command that they name, as far as there is one."""
+def first_sentence(text: str) -> str:
+    """Return how a help begins, in one line."""
+    line = " ".join(text.partition("\n\n")[0].split())
+    return line if line.endswith("?") else line.partition(". ")[0].rstrip(".") + "."
+
+
+def _told(error: typer.TyperException, command: Any, rest: list[str]) -> str:
+    """Return what is wrong, with the word that was meant."""
+    if rest and not rest[0].startswith("-") and hasattr(command, "commands"):
+        return f"no command {rest[0]!r}{_meant(rest[0], command.commands)}"
+    if option := getattr(error, "option_name", "") if hasattr(error, "possibilities") else "":
+        there = [name for parameter in command.params for name in parameter.opts]
+        return f"no option {option}{_meant(option, (*there, '--help'))}"
+    what = plain(error.format_message()).rstrip(".")
+    if "extra argument" in what:
+        from giraff_cli.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom
+
+        what = redirected(what) or what
+    return what[:1].lower() + what[1:]
+
+
+def _meant(word: str, there: Iterable[str]) -> str:
+    return f": {hint}" if (hint := meant(word, there).strip()) else ""
+
+
+def _path(command: Any, words: list[str]) -> tuple[str, Any, list[str]]:
+    """The command that they name, as far as there is one; it, and the words after it."""
     path = "giraff"
-    for word in words:
-        command = getattr(command, "commands", {}).get(word)
-        if command is None:
-            break
+    for number, word in enumerate(words):
+        inner = getattr(command, "commands", {}).get(word)
+        if inner is None:
+            return path, command, words[number:]
+        command = inner
         path += f" {word}"
-    return path
+    return path, command, []

@@ -83,7 +83,7 @@ def _pose(words: Sequence[str]) -> Pose:
     numbers = [word for word in words if word != _DEGREES]
     is_old = len(numbers) < len(words)
     if wrong := [word for word in numbers if word.startswith("--")]:
-        raise ValueError(f"no such option: {wrong[0]}")
+        raise ValueError(f"no option {wrong[0]}")
     try:
         typed.angle(numbers[-1] if numbers else "")
     except ValueError:  # beyond a turn, and so no radians

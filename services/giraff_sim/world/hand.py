@@ -171,9 +171,10 @@ def read_script(path: Path, begin: float = 0.0) -> ScriptedHand:
                     )
                 times.append(time + begin)
                 vectors.append((vector[0], vector[1], vector[2]))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or plain(error)
-        raise ScriptError(f"{path}: cannot be read: {reason}; name a file of rows t, x, y, z") from error
+    except OSError as error:
+        raise ScriptError(f"{path}: cannot be read: {error.strerror}; name a file of rows t, x, y, z") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ScriptError(f"{path}: cannot be read: {plain(error)}; name a file of rows t, x, y, z") from error
     if not times:
         raise ScriptError(f"{path}: holds no row of t, x, y, z")
     _require_units(path, times[-1] - times[0], vectors)

@@ -17,7 +17,7 @@ def test_a_word_that_wants_another_shows_its_help(
 ) -> None:
     code, out, err = typed(monkeypatch, capsys, *words.split())
     assert (code, err) == (2, "")
-    assert "Commands" in out
+    assert "\n  list " in out or "\nDrive:\n" in out
 
 
 def test_help_has_paragraphs_and_no_types_of_pythons(
@@ -31,4 +31,4 @@ def test_help_has_paragraphs_and_no_types_of_pythons(
         shown += out.splitlines()
     assert [line for line in shown if re.search(r"<[a-z]+[>|[]", line) or len(line) > 80] == []
     assert any(re.search(r"--boards +avr\|host ", line) for line in shown)
-    assert any("--truth              TRUTH " in line for line in shown)
+    assert any("--truth TRUTH " in line for line in shown)
