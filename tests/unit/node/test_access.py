@@ -90,8 +90,8 @@ def test_nobody_else_commands(host: str) -> None:
     [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
 )
 def test_whoever_is_named_may_stop_and_operators_reset_and_set(host: str, stops: bool, sets: bool) -> None:
-    for query in (ESTOP_ENGAGE, ODOM_ECHOES):
-        assert lets_in(host, "query", key_of(ROBOT, query)) == stops, query.key
+    for harmless in (ESTOP_ENGAGE, ODOM_ECHOES):
+        assert lets_in(host, "query", key_of(ROBOT, harmless)) == stops, harmless.key
     asked = (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL, PARAM_SET.at("guard"))
     for query in asked:
         assert lets_in(host, "query", key_of(ROBOT, query)) == sets, query.key
