@@ -23,7 +23,7 @@ GROUPS: Final[Mapping[str, Mapping[str, str]]] = {
     "Ask": {verb: verb for verb in ("why", "doctor", "logs", "topic", "node", "param", "graph", "frames", "odom")},
     "Record": {verb: verb for verb in ("record", "play", "replay", "vision")},
     "Set up": {verb: verb for verb in ("commission", "check", "calibrate", "tune", "encoder", "map", "keys")},
-    "Develop": {verb: verb for verb in ("dst",)},
+    "Develop": {verb: verb for verb in ("dst", "completion")},
 }
 """By the heading of its section in the help: each verb with the folder of its module `commands`."""
 _FOLDERS: Final = {verb: folder for verbs in GROUPS.values() for verb, folder in verbs.items()}
@@ -63,6 +63,19 @@ class VerbGroup(TyperGroup):
         del commands  # Typer knows of none
         verbs: Any = _Verbs()
         self.commands = verbs
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the verbs."""
+        del ctx
+        return list(self.commands)
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
+        """Return what a shell may complete: verbs, with their help, and options."""
+        from typer._click.shell_completion import CompletionItem  # noqa: PLC0415
+
+        verbs = [verb for verb in self.commands if verb.startswith(incomplete)]
+        items = [CompletionItem(verb, help=first_sentence(_help(_imported(verb)))) for verb in verbs]
+        return items + super(TyperGroup, self).shell_complete(ctx, incomplete)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each group."""

@@ -17,25 +17,27 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    asks_completion = os.environ.pop("_GIRAFF_COMPLETE", "")
     from giraff_cli.main import app  # noqa: PLC0415
-    from giraff_cli.usage import obey  # noqa: PLC0415
+    from giraff_cli.usage import complete, obey  # noqa: PLC0415
 
     try:
-        code = obey(app)
+        code = complete(app) if asks_completion else obey(app)
     except Exception as error:  # noqa: BLE001  that nobody foresaw
         sys.excepthook(type(error), error, error.__traceback__)
         code = _FAILED
-    end(code)
+    end(code, tidily=not asks_completion)
 
 
-def end(code: int) -> None:
+def end(code: int, *, tidily: bool = True) -> None:
     """End the process, without what Python does after a program's last line.
 
     A session that does not close would keep it from its end. Zenoh's threads live on for a while after one that does,
     and as soon as one of them calls into a Python that is being taken down, the C library aborts the process: a stop
-    that is not confirmed would end with 134.
+    that is not confirmed would end with 134. `tidily`: libraries may do what they do at an end.
     """
-    atexit._run_exitfuncs()  # noqa: SLF001  of libraries: there is no public way
+    if tidily:
+        atexit._run_exitfuncs()  # noqa: SLF001  of libraries: there is no public way
     for stream in (sys.stdout, sys.stderr):
         if stream is None:  # whoever started the command has closed it
             continue

@@ -29,6 +29,14 @@ def obey(app: typer.Typer) -> int:
         return error.exit_code
 
 
+def complete(app: typer.Typer) -> int:
+    """Answer a shell that asks what the last word can become; the exit code."""
+    from giraff_cli.completion.answer import print_candidates  # noqa: PLC0415
+
+    print_candidates(typer.main.get_command(app), sys.argv[1:])
+    return 0
+
+
 def with_plain_help(command: Any) -> Any:
     """The command, whose help and that of all below it has paragraphs of one line, and no types of Python's.
 

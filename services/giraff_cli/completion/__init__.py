@@ -1,0 +1,1 @@
+"""`giraff completion`: what the TAB key of a shell completes."""

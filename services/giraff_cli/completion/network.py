@@ -1,0 +1,59 @@
+"""What the robots of the network have, for a shell."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import msgspec
+import zenoh
+
+from giraff_node.network.discovery import resolve_target
+from giraff_node.network.replies import gather_replies
+from giraff_node.network.session import open_session
+from giraff_node.network.tokens import find_tokens, list_robots
+from giraff_schemas.codec import encode, encoding_of
+from giraff_schemas.health import Health
+from giraff_schemas.params import ParamAnswer, ParamDescribe
+from giraff_schemas.services import ANSWERING
+from giraff_schemas.topics import PARAM_DESCRIBE, alive_key, health_key, key_of
+
+
+def asked(source: str, robot: str | None, connect: Sequence[str], word: str, deadline: float) -> list[str]:
+    """Return robots, services, published topics or parameters. Raises what opening a session raises.
+
+    Only a name that somebody has typed narrows it to one robot. The process ends without closing the session.
+    """
+    way = resolve_target(robot, connect)
+    session = open_session(way.network, way.robot or "*", "client")
+    within = max(0.05, deadline - time.monotonic())
+    if source == "robots":
+        return list_robots(session)
+    whose = way.robot if way.robot and not way.named_by else "*"
+    if source == "services" or (source == "params" and "." not in word):
+        services = [token.service for token in find_tokens(session, alive_key(whose), within)]
+        return [each for each in services if source == "services" or each in ANSWERING]
+    if source == "published":
+        healths = _answers(session, health_key(whose), Health, within)
+        return [key for health in healths for key in health.publishes]
+    service = word.partition(".")[0]
+    at = key_of(whose, PARAM_DESCRIBE.at(service) if service in ANSWERING else PARAM_DESCRIBE)
+    told = _answers(
+        session, at, ParamAnswer, within, payload=encode(ParamDescribe()), encoding=encoding_of(ParamDescribe)
+    )
+    return [
+        param.name if param.name.startswith("robot.") else f"{answer.service}.{param.name}"
+        for answer in told
+        for param in answer.params
+    ]
+
+
+def _answers(session: zenoh.Session, key: str, kind: type[Any], within: float, **request: Any) -> Iterator[Any]:
+    """Yield what all who answer at a key say, within this many seconds."""
+    ask = {"target": zenoh.QueryTarget.ALL, "consolidation": zenoh.ConsolidationMode.NONE, "timeout": within}
+    for reply in gather_replies(lambda handler: session.get(key, handler, **ask, **request), within):
+        with contextlib.suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+            if reply.ok is not None:
+                yield msgspec.msgpack.decode(bytes(reply.ok.payload), type=kind)
