@@ -18,7 +18,7 @@ from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.health import Health
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import ANSWERING
-from giraff_schemas.topics import PARAM_DESCRIBE, alive_key, health_key, key_of
+from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, alive_key, health_key
 
 
 def asked(source: str, robot: str | None, connect: Sequence[str], word: str, deadline: float) -> list[str]:
@@ -39,7 +39,8 @@ def asked(source: str, robot: str | None, connect: Sequence[str], word: str, dea
         healths = _answers(session, health_key(whose), Health, within)
         return [key for health in healths for key in health.publishes]
     service = word.partition(".")[0]
-    at = key_of(whose, PARAM_DESCRIBE.at(service) if service in ANSWERING else PARAM_DESCRIBE)
+    query = PARAM_DESCRIBE.at(service) if service in ANSWERING else PARAM_DESCRIBE
+    at = f"{ROOT}/{whose}/{query.key}"
     told = _answers(
         session, at, ParamAnswer, within, payload=encode(ParamDescribe()), encoding=encoding_of(ParamDescribe)
     )
@@ -52,7 +53,11 @@ def asked(source: str, robot: str | None, connect: Sequence[str], word: str, dea
 
 def _answers(session: zenoh.Session, key: str, kind: type[Any], within: float, **request: Any) -> Iterator[Any]:
     """Yield what all who answer at a key say, within this many seconds."""
-    ask = {"target": zenoh.QueryTarget.ALL, "consolidation": zenoh.ConsolidationMode.NONE, "timeout": within}
+    ask: dict[str, Any] = {
+        "target": zenoh.QueryTarget.ALL,
+        "consolidation": zenoh.ConsolidationMode.NONE,
+        "timeout": within,
+    }
     for reply in gather_replies(lambda handler: session.get(key, handler, **ask, **request), within):
         with contextlib.suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
             if reply.ok is not None:

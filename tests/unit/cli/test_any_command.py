@@ -95,6 +95,7 @@ ROBOTLESS: Mapping[str, str] = {
     "dst": "dst: likewise",
     "check wheels": "unit/cli/test_check_wheels.py: it asks a board, and whoever stands beside it",
     "check encoders": "unit/cli/test_check_encoders.py: likewise",
+    "completion": "functional/cli/test_shells.py: it asks nobody",
     "calibrate camera": "unit/calibrate/test_camera.py: likewise",
     "calibrate joystick": "unit/calibrate/test_joystick.py: likewise",
     "calibrate ranger": "unit/calibrate/test_ranger.py: likewise",

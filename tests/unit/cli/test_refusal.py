@@ -50,6 +50,7 @@ SESSIONLESS = {
     "check encoders",
     "check wheels",
     "commission",
+    "completion",
     "dst",
     "encoder disk",
     "keys init",
