@@ -22,7 +22,9 @@ GROUPS: Final[Mapping[str, Mapping[str, str]]] = {
     "Watch": {verb: verb for verb in ("watch", "view", "top", "camera", "localize")},
     "Ask": {verb: verb for verb in ("why", "doctor", "logs", "topic", "node", "param", "graph", "frames", "odom")},
     "Record": {verb: verb for verb in ("record", "play", "replay", "vision")},
-    "Set up": {verb: verb for verb in ("commission", "check", "calibrate", "tune", "encoder", "map", "keys", "completion")},
+    "Set up": {
+        verb: verb for verb in ("commission", "check", "calibrate", "tune", "encoder", "map", "keys", "completion")
+    },
     "Develop": {verb: verb for verb in ("dst",)},
 }
 """By the heading of its section in the help: each verb with the folder of its module `commands`."""

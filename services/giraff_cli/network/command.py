@@ -20,7 +20,6 @@ from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import CORRECT_IT, Target, find_robot, require_consent, resolve_target, stand_in
 from giraff_node.network.reach import find_silent
 from giraff_node.network.session import NobodyError, Role, open_session
-from giraff_node.process.lifecycle import restart_program
 
 UNUSABLE: Final = 2
 
@@ -122,6 +121,8 @@ def visit(
         return guard_stdout(lambda: act(connection))
     except MovedError:
         connection.close(_CLOSE_WITHIN)
+        from giraff_node.process.lifecycle import restart_program  # noqa: PLC0415  a service's, which no stop waits for
+
         restart_program({_CAME_BACK: "yes"})
     except NoRobotError as error:
         return print_error(str(error))

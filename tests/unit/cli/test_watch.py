@@ -222,7 +222,7 @@ def test_it_starts_anew_on_a_host_that_is_found_elsewhere(
 
     addresses = iter([frozenset[str]()])
     monkeypatch.setattr(it, "host_addresses", lambda: next(addresses, frozenset({"192.0.2.7"})))
-    monkeypatch.setattr("giraff_cli.network.command.restart_program", restart_program)
+    monkeypatch.setattr("giraff_node.process.lifecycle.restart_program", restart_program)
     with pytest.raises(StartedAnewError):
         it.watch(None, (), None, as_json=False)
     capfd.readouterr()
