@@ -1,4 +1,4 @@
-# What can be done here, each in one word. `make run` and `make test` need git, make and python3; setup gets the rest.
+# What can be done here, each in one word. `make run` and `make test` need git, make and python3, and get the rest.
 
 VENV := .venv/bin
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
@@ -10,16 +10,23 @@ COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-ve
 # What one kind of host needs, in the versions that everything is tested with.
 PART := $(COMPILE) --constraint requirements/dev.lock --group build
 
-.PHONY: help setup run test test-hosts test-timing bench lint mypy pyright format campaign mutants lock install clean
+.PHONY: help setup run viewer camera wheel test test-hosts test-timing bench lint mypy pyright format campaign mutants lock install clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
 
-setup: ## Install, build and check whatever a run or a test needs; skips what is there
-	@scripts/setup
-
-run: setup ## Drive the simulated robot, e.g. make run ARGS="--for 30"
+run: ## Drive the simulated robot, e.g. make run ARGS="--for 30"; installs what that needs
+	@scripts/setup run
 	@$(VENV)/giraff run $(ARGS)
+
+viewer: ## Add the library of giraff view, some 500 MB
+	@scripts/setup viewer
+
+camera: ## Add the library of giraff run --camera and giraff vision
+	@scripts/setup camera
+
+setup: ## Install and build whatever a run or a test needs; skips what is there
+	@scripts/setup all
 
 test: setup ## Everything that must hold on one host before a commit lands; about 12 minutes on two cores
 	@tests/run $(ARGS)
@@ -61,6 +68,15 @@ lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
 	$(PART) --extra serial --extra cli --extra web --extra localization --extra camera --output-file requirements/laptop.lock
 	$(PART) --extra serial --extra cli --extra sim --extra web --extra localization --extra camera \
 		--output-file requirements/sim.lock
+	$(PART) --extra serial --extra cli --extra sim --extra web --extra localization --extra record --extra keys \
+		--output-file requirements/run.lock
+	$(PART) --extra viewer --output-file requirements/viewer.lock
+
+wheel: ## Build dist/giraff-*.whl, the command line for another machine: docs/install.md
+	@scripts/setup run
+	@rm -rf dist
+	@$(VENV)/pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+	@ls dist/*.whl
 
 install: ## Without containers, as root: make install ROLE=robot (or laptop); DESTDIR=DIR for a look; docs/install.md
 	@scripts/install

@@ -23,6 +23,8 @@ PARTS = {
     "camera": ["serial", "camera"],
     "laptop": ["serial", "cli", "web", "localization", "camera"],
     "sim": ["serial", "cli", "sim", "web", "localization", "camera"],
+    "run": ["serial", "cli", "sim", "web", "localization", "record", "keys"],
+    "viewer": ["viewer"],
 }
 """Lock of what a kind of host needs -> the extras that it pins."""
 HASH = re.compile(r"    --hash=sha256:[0-9a-f]{64}( \\)?")
@@ -87,6 +89,11 @@ def test_there_is_no_lock_beside_these() -> None:
 def test_the_robots_lock_stays_small() -> None:
     robot = pins((ROOT / "requirements" / "robot.lock").read_text())
     assert not {"numpy", "rerun-sdk", "typer", "rich", "cffi", "cryptography"} & set(robot)
+
+
+def test_what_a_run_installs_stays_small() -> None:
+    run = pins((ROOT / "requirements" / "run.lock").read_text())
+    assert not {"rerun-sdk", "pyarrow", "opencv-python-headless", "playwright", "pyright", "mypy"} & set(run)
 
 
 def test_what_judges_the_page_is_pinned_by_hash_and_not_by_where_it_is() -> None:

@@ -158,13 +158,13 @@ def choose_boards(wanted: Boards | None, base: BoardType, build: Path) -> tuple[
     }
     if wanted is not None:
         if missing[wanted]:
-            raise PlanError(f"--boards {wanted}: build/{missing[wanted][0]} is missing; make setup builds it")
+            raise PlanError(f"--boards {wanted}: build/{missing[wanted][0]} is missing; make run builds it")
         return wanted, ""
     if not missing["avr"]:
         return "avr", ""
     if not missing["host"]:
-        return "host", f"build/{missing['avr'][0]} is missing (make setup builds it where it can)"
-    raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make setup builds it")
+        return "host", f"build/{missing['avr'][0]} is missing (make run builds it where it can)"
+    raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make run builds it")
 
 
 def _needed(base: BoardType, implementation: Implementation) -> tuple[str, ...]:

@@ -307,7 +307,7 @@ def test_without_it_the_boards_compiled_for_this_machine_are_taken_and_that_is_s
 
 
 def test_boards_that_were_asked_for_are_not_replaced(tmp_path: Path) -> None:
-    with pytest.raises(PlanError, match=r"--boards avr: build/lockstep/lockstep\.so is missing; make setup"):
+    with pytest.raises(PlanError, match=r"--boards avr: build/lockstep/lockstep\.so is missing; make run"):
         choose_boards("avr", BASE_BOARD, build(tmp_path, "host"))
 
 
@@ -321,7 +321,7 @@ def test_another_base_board_needs_its_own_firmware(tmp_path: Path) -> None:
 
 
 def test_without_any_boards_there_is_no_run(tmp_path: Path) -> None:
-    with pytest.raises(PlanError, match="make setup"):
+    with pytest.raises(PlanError, match="make run"):
         choose_boards(None, BASE_BOARD, tmp_path)
 
 
