@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Annotated, Final
 
 import typer
@@ -60,12 +61,25 @@ NEGATIVE: Final = {"ignore_unknown_options": True}
 """Setting of a command that takes numbers: a negative one is no option."""
 
 _REFUSED: Final = 2
+_TREE: Final = Path(__file__).resolve().parents[2]
+"""The repository, where the code runs from one."""
 
 
 def require_extra(verb: str, library: str, extras: str) -> None:
     """End with the way out where a verb's library is not installed. `extras`: of the distribution, that bring it."""
     if find_spec(library) is None:
+        from giraff_node.process.libraries import remedy  # noqa: PLC0415
+
+        typer.echo(f"giraff {verb}: the library {library} is missing; {remedy(extras)}", err=True)
+        raise typer.Exit(_REFUSED)
+
+
+def require_tree(verb: str) -> None:
+    """End with the way out where the simulator's boards and rooms are not here: a wheel has no firmware."""
+    if not (_TREE / "firmware").is_dir():
         typer.echo(
-            f"giraff {verb}: the library {library} is missing; in the clone: pip install '.[{extras}]'", err=True
+            f"giraff {verb}: the simulated robot needs the repository's tree, which is not here; "
+            "clone the repository, then make run in it",
+            err=True,
         )
         raise typer.Exit(_REFUSED)

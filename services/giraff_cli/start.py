@@ -5,11 +5,18 @@ import io
 import os
 import signal
 import sys
+from importlib.util import find_spec
 
+_REFUSED = 2
 _FAILED = 1  # as Python's own after an exception that nobody catches
 
 
 def main() -> None:
+    if find_spec("typer") is None:
+        from giraff_node.process.libraries import remedy  # noqa: PLC0415
+
+        print(f"giraff: the library typer is missing; {remedy('cli')}", file=sys.stderr)
+        sys.exit(_REFUSED)
     # Python's own handler would raise in whatever is being imported, and show that. A command that has something to
     # end first takes the signals over when it begins.
     signal.signal(signal.SIGINT, signal.SIG_DFL)

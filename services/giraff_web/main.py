@@ -15,6 +15,7 @@ import msgspec
 from giraff_node import Node
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.picture_client import PictureClient
+from giraff_node.process.libraries import remedy
 from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import WebPage
@@ -44,7 +45,7 @@ def main() -> None:
 def missing_library() -> str:
     """What is to be installed before `run_web` can be called; empty: all is there."""
     missing = [library for library in _LIBRARIES if find_spec(library) is None]
-    return f"the library {missing[0]} is missing; in the clone: pip install '.[web]'" if missing else ""
+    return f"the library {missing[0]} is missing; {remedy('web')}" if missing else ""
 
 
 def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> None:

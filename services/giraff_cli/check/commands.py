@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import AsJson
+from giraff_cli.options import AsJson, require_extra
 
 check = typer.Typer(no_args_is_help=True, help="Checks that a robot must have passed before it drives.")
 
@@ -23,6 +23,7 @@ def wheels(port: Port = None, as_json: AsJson = False) -> None:
 
     Asks before each step; giraff_base must not run. Exit code: 0 written; 1 in doubt, nothing written; 2 not begun.
     """
+    require_extra("check wheels", "serial", "cli,serial")
     from giraff_cli.check.wheels import check_wheels  # noqa: PLC0415
 
     raise typer.Exit(check_wheels(port, as_json=as_json))
@@ -41,6 +42,7 @@ def encoders(
     Asks once, then drives each wheel forward for 4 s; giraff_base must not run. It writes nothing into the robot file.
     Exit code: 0 fine; 1 something to put right; 2 not begun, or the board cannot do it.
     """
+    require_extra("check encoders", "serial", "cli,serial")
     from giraff_cli.check.encoders import check_encoders  # noqa: PLC0415
 
     raise typer.Exit(check_encoders(port, svg, as_json=as_json))

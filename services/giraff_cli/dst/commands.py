@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import AsJson
+from giraff_cli.options import AsJson, require_tree
 
 
 def dst(
@@ -20,6 +20,7 @@ def dst(
 
     Exit code: 0 no invariant is violated; 1 one is: the story of each such seed is told.
     """
+    require_tree("dst")
     from giraff_cli.dst.explore import explore  # noqa: PLC0415
 
     raise typer.Exit(explore(seeds, seed, jobs, as_json=as_json))

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from giraff_cli.options import require_extra
+from giraff_cli.options import require_extra, require_tree
 
 _REFUSED = 2  # exit code: nothing was started
 
@@ -54,6 +54,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
     """Drive the simulated robot through its services, and watch it."""
+    require_tree("run")
     if web:
         for library in ("aiohttp", "cryptography", "segno"):
             require_extra("run --web", library, "cli,sim,web")

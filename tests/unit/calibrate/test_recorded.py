@@ -21,6 +21,7 @@ from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_core.kinematics.calibration import Scales
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
+from giraff_node.process.libraries import remedy
 from tests.rules.repository import ROOT
 from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of, turn
 from tests.unit.cli.typed import typed
@@ -379,4 +380,4 @@ def test_a_full_disk_leaves_the_robot_file_as_it_was(
 
 def test_without_numpy_it_says_what_to_install(say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(giraff_cli.options, "find_spec", lambda name: None if name == "numpy" else name)
-    assert "pip install '.[analysis" in say(*OTHERS)[2]
+    assert f"the library numpy is missing; {remedy('analysis,cli')}" in say(*OTHERS)[2]

@@ -268,5 +268,5 @@ def test_a_library_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> 
     assert libraries.missing_library() == ""
     monkeypatch.setattr(libraries, "find_spec", lambda name: None if name == "cv2" else object())
     assert libraries.missing_library() == (
-        "the library opencv-python-headless is missing; in the clone: pip install '.[camera]'"
+        f"the library opencv-python-headless is missing; {libraries.remedy('camera')}"
     )

@@ -14,6 +14,7 @@ import pytest
 
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.writing import RecordingWriter
+from giraff_node.process.libraries import remedy
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import CAMERA, ODOM, VISUAL_ODOM, Topic, key_of
@@ -116,5 +117,5 @@ def test_a_replay_goes_on_at_a_key_picture_behind_a_missing_one_and_sees_what_is
 
 def test_opencv_that_is_missing_is_told(giraff: Giraff, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("giraff_cli.options.find_spec", lambda name: None if name == "cv2" else object())
-    told = "giraff vision: the library cv2 is missing; in the clone: pip install '.[camera,cli,record]'\n"
+    told = f"giraff vision: the library cv2 is missing; {remedy('camera,cli,record')}\n"
     assert giraff("vision", "--from", "a.avi") == (2, "", told)

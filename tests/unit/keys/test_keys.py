@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 from giraff_cli.keys import manage as keys
 from giraff_cli.main import app
 from giraff_node.network.session import CERTIFICATES
+from giraff_node.process.libraries import remedy
 from tests.unit.keys.folders import DAY, NOW, authority, bundle, contents
 
 
@@ -337,4 +338,4 @@ def test_somebody_elses_folder_is_told_as_such(monkeypatch: pytest.MonkeyPatch) 
 def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("giraff_cli.options.find_spec", lambda _name: None)
     monkeypatch.delitem(sys.modules, "giraff_cli.keys.manage")
-    assert "pip install '.[cli,keys]'" in refusal("init")
+    assert f"is missing; {remedy('cli,keys')}" in refusal("init")

@@ -7,6 +7,7 @@ from unittest.mock import MagicMock
 
 import pytest
 
+from giraff_node.process.libraries import remedy
 from giraff_web import main as it
 from giraff_web.messages import Room
 
@@ -18,7 +19,7 @@ def test_a_library_that_is_missing_is_told_with_the_way_out(
     with pytest.raises(SystemExit) as left:
         it.main()
     assert left.value.code == 2
-    assert capsys.readouterr().err == "giraff_web: the library aiohttp is missing; in the clone: pip install '.[web]'\n"
+    assert capsys.readouterr().err == f"giraff_web: the library aiohttp is missing; {remedy('web')}\n"
 
 
 def test_nothing_is_missing_here() -> None:
