@@ -71,9 +71,13 @@ def _told(error: typer.TyperException, command: Any, rest: list[str]) -> str:
     """Return what is wrong, with the word that was meant."""
     if rest and not rest[0].startswith("-") and hasattr(command, "commands"):
         return f"no command {rest[0]!r}{_meant(rest[0], command.commands)}"
-    if option := getattr(error, "option_name", "") if hasattr(error, "possibilities") else "":
-        there = [name for parameter in command.params for name in parameter.opts]
-        return f"no option {option}{_meant(option, (*there, '--help'))}"
+    there = [*(name for parameter in command.params for name in parameter.opts), "--help", "-h"]
+    # A command that takes negative numbers takes a mistyped option for a value, and misses or refuses another one.
+    option = next((word.partition("=")[0] for word in rest if word.startswith("--")), "--")
+    if hasattr(error, "possibilities"):
+        option = str(getattr(error, "option_name", option))
+    if option not in {*there, "--"}:
+        return f"no option {option}{_meant(option, there)}"
     what = plain(error.format_message()).rstrip(".")
     if "extra argument" in what:
         from giraff_cli.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom

@@ -8,7 +8,7 @@ import typer
 
 
 def completion(shell: Annotated[Literal["bash", "zsh", "fish"], typer.Argument(metavar="SHELL")]) -> None:
-    """Print the script by which bash, zsh or fish completes `giraff` at the TAB key. See docs/install.md.
+    """Print the script by which bash, zsh or fish completes `giraff` at the TAB key. See docs/tools.md.
 
     It completes verbs, options and files, and from the network robots, topics, services and parameters.
     """

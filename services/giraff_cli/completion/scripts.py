@@ -46,6 +46,7 @@ _giraff() {
 if [[ $funcstack[1] == _giraff ]]; then
     _giraff "$@"
 else
+    (( $+functions[compdef] )) || { autoload -U compinit && compinit -i }
     compdef _giraff giraff
 fi
 """

@@ -14,6 +14,7 @@ from giraff_cli.terminal.page import print_json, print_table
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import duration
 from giraff_schemas.health import Health
+from giraff_schemas.text import meant
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _WELL: Final = 0
@@ -58,8 +59,11 @@ def info(service: str, robot: str | None, connect: Sequence[str], *, as_json: bo
         robot_graph = GraphMonitor(connection).collect_health(stopping)
         rows = [row for row in rows_of(robot_graph) if service in (row.service, row.instance)]
         if not rows:
-            there = ", ".join(dict.fromkeys(maker.service for maker in robot_graph.services)) or "none"
-            return print_error(f"{connection.robot} has no service {service!r} on the network; there are: {there}")
+            there = [*dict.fromkeys(maker.service for maker in robot_graph.services)]
+            return print_error(
+                f"{connection.robot} has no service {service!r} on the network; {meant(service, there)}"
+                f"there are: {', '.join(there) or 'none'}"
+            )
         if as_json:
             print_json(rows)
         else:

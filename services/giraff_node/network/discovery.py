@@ -28,6 +28,7 @@ from giraff_node.network.replies import gather_replies
 from giraff_node.network.tokens import REPLY_WITHIN, Token, list_robots, robots_of, watch_tokens
 from giraff_schemas.health import Health
 from giraff_schemas.services import BASE, PLAY
+from giraff_schemas.text import meant
 from giraff_schemas.topics import health_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s
@@ -253,4 +254,4 @@ def not_found_text(robot: str, found: Sequence[str]) -> str:
 
 def _instead(found: Sequence[str], robot: str) -> str:
     there = [name for name in found if name != robot]
-    return f"; on the network: {consent.options(there)}" if there else ""
+    return f"; {meant(robot, there)}on the network: {consent.options(there)}" if there else ""

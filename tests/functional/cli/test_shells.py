@@ -14,7 +14,7 @@ from tests.support.terminals import screen
 
 _SHELLS: Final = {
     "bash": (["--norc", "--noprofile", "-i"], "source <(giraff completion bash)"),
-    "zsh": (["-f", "-i"], "autoload -U compinit; compinit -u -D; source <(giraff completion zsh)"),
+    "zsh": (["-f", "-i"], "source <(giraff completion zsh)"),
     "fish": (["--no-config", "-i"], "giraff completion fish | source"),
 }
 _REQUIRED: Final = {"bash"}

@@ -70,7 +70,7 @@ UNKNOWN: Mapping[str, tuple[Words, str]] = {
     "topic hz": (("odmo",), NO_SUCH_TOPIC),
     "topic bw": (("odmo",), NO_SUCH_TOPIC),
     "topic pub": (("odmo", "{}", "--robot", "sim-test"), "nobody listens to it; did you mean odom?"),
-    "node info": (("gard",), "no service 'gard' on the network; there are: base, guard, "),
+    "node info": (("gard",), "no service 'gard' on the network; did you mean guard? there are: base, guard, "),
     "camera view": (("eye", "--save", "FILE"), "no camera of sim-test is heard; check that giraff_camera runs"),
     "param set": (
         ("gaurd.margin", "0.5", "--robot", "sim-test"),

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_cli.topic.echo import FieldError, selected
 from tests.rules.repository import ROOT
-from tests.unit.cli import mistakes_files, mistakes_json, mistakes_screens
+from tests.unit.cli import mistakes_files, mistakes_habits, mistakes_json, mistakes_screens
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 
@@ -189,6 +189,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("view", "drive.rrd"), "rerun itself opens what --save has written: rerun drive.rrd"),
     *ANGLES,
     *mistakes_files.ROWS,
+    *mistakes_habits.ROWS,
     *mistakes_json.ROWS,
     *mistakes_screens.ROWS,
 )

@@ -6,7 +6,9 @@ import re
 
 import pytest
 
+from giraff_cli.main import GROUPS
 from giraff_cli.usage import with_plain_help
+from giraff_node.process.version import NUMBER, version
 from tests.unit.cli.test_any_command import whole_commands
 from tests.unit.cli.typed import typed
 
@@ -32,3 +34,20 @@ def test_help_has_paragraphs_and_no_types_of_pythons(
     assert [line for line in shown if re.search(r"<[a-z]+[>|[]", line) or len(line) > 80] == []
     assert any(re.search(r"--boards +avr\|host ", line) for line in shown)
     assert any("--truth TRUTH " in line for line in shown)
+
+
+def test_h_helps_everywhere_and_the_version_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for path in whole_commands():
+        code, out, err = typed(monkeypatch, capsys, *path.split(), "-h")
+        assert (code, err) == (0, "")
+        assert out.startswith(f"Usage: giraff {path} ")
+    assert typed(monkeypatch, capsys, "--version") == (0, f"giraff {version()}\n", "")
+    assert version().startswith(NUMBER)
+
+
+def test_each_verb_stands_in_the_help(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    _, out, _ = typed(monkeypatch, capsys, "--help")
+    shown = [line.split()[0].rstrip(":") for line in out.splitlines() if re.match(r"  [a-z]+ |\S.*:$", line)]
+    assert [word for word in shown if word.islower()] == [verb for verbs in GROUPS.values() for verb in verbs]
