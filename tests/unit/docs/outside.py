@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import yaml
 
-from giraff_schemas.services import SERVICES
+from giraff_schemas.services import ROLES, SERVICES
 from tests.rules.repository import ROOT
 
 DOCKER: Final = "it needs Docker: tests/hosts types docs/deploy.md on three hosts"
@@ -39,6 +39,8 @@ def _make(words: tuple[str, ...]) -> str:
         _unknown([word for word in given if "=" not in word], {n for each in known for n in each.split()}, "target")
     ]
     wrong.append(_unknown(sorted(variables), _MAKE_VARIABLES, "variable"))
+    if role := variables.get("ROLE"):
+        wrong.append(_unknown([role], set(ROLES), "role"))
     if lock := variables.get("LOCK"):
         wrong.append(_unknown([lock], {path.stem for path in (ROOT / "requirements").glob("*.lock")}, "lock"))
     if board := variables.get("BOARD"):
@@ -106,6 +108,6 @@ OUTSIDE: Final[Mapping[str, tuple[str, Callable[[tuple[str, ...]], str]]]] = {
     "scp": ("it needs another machine", _nothing),
     **dict.fromkeys(("apt-get", "adduser", "newgrp", "chown", "groupdel", "install", "mv", "rm"), (ROOTS, _nothing)),
     "udevadm": ("it needs a board on a port", _nothing),
-    **dict.fromkeys(("cd", "editor", "ls", "grep", "tail", "jq"), (SHELL, _nothing)),
+    **dict.fromkeys(("cd", "echo", "editor", "ls", "grep", "tail", "jq"), (SHELL, _nothing)),
 }
 """A program, why no test starts it, and what looks at its words."""

@@ -140,7 +140,7 @@ def misnamed(command: Command) -> str:
     known, (name, *rest) = KNOWN(), command.words[1:]
     groups = {path.split()[0] for path in known if " " in path}
     path = f"{name} {rest[0]}" if name in groups and rest else name
-    if path not in {*known, *groups, "COMMAND"}:
+    if path not in {*known, *groups, "COMMAND", "--help", "--version"}:
         return "there is no such command"
     takes = {"--help"} | {each for parameter in getattr(known.get(path), "params", ()) for each in parameter.opts}
     return ", ".join(f"it has no {word}" for word in rest if word.startswith("--") and word not in takes)
@@ -172,6 +172,9 @@ def test_no_row_of_the_tables_is_left_over() -> None:
         "giraff odom set 1,2",
         "make rum",
         "make install ROLL=robot",
+        "make install ROLE=rowboat",
+        "make install ROLE=robot LOCK=web LOCK=wep",
+        "make -C firmware flash BOARD=bass",
         "docker-compose run --rm giraff checks wheels",
         "docker-compose logs wach",
         "sudo systemctl restart giraff@bass",
