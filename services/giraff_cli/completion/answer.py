@@ -24,6 +24,8 @@ _SOURCES: Final = {
 }
 """By verb and parameter: what its values are. A robot is one wherever it is asked for."""
 
+_NARROWER: Final = {("pub", "published"): "topics", ("set", "params"): "settable"}
+"""By the verb's last word, and by what a word would be after any other."""
 _FILES: Final = {"path", "file", "directory", "filename"}
 """Typer's names for types of files."""
 
@@ -70,12 +72,11 @@ def _of_robot(context: Any, wanted: Any, word: str) -> list[Candidate] | None:
         return None
     if source == "files":
         return [_SHELLS_FILES]
-    if path[-1] == "pub" and source == "published":
-        source = "topics"
+    source = _NARROWER.get((path[-1], source), source)
     from giraff_cli.completion import tables  # noqa: PLC0415
 
     found = _within(source, context.params, word) if source != "topics" else []
-    return [(each, "") for each in tables.narrowed(source, found or tables.known(source, word), word, path[-1])]
+    return [(each, "") for each in tables.by_service(source, found or tables.known(source, word), word)]
 
 
 def _within(source: str, typed: dict[str, Any], word: str) -> list[str]:

@@ -32,7 +32,7 @@ def asked(source: str, robot: str | None, connect: Sequence[str], word: str, dea
     if source == "robots":
         return list_robots(session)
     whose = way.robot if way.robot and not way.named_by else "*"
-    if source == "services" or (source == "params" and "." not in word):
+    if source == "services" or (source in {"params", "settable"} and "." not in word):
         services = [token.service for token in find_tokens(session, alive_key(whose), within)]
         return [each for each in services if source == "services" or each in ANSWERING]
     if source == "published":
@@ -48,6 +48,7 @@ def asked(source: str, robot: str | None, connect: Sequence[str], word: str, dea
         param.name if param.name.startswith("robot.") else f"{answer.service}.{param.name}"
         for answer in told
         for param in answer.params
+        if source == "params" or param.live != "fixed"
     ]
 
 

@@ -12,32 +12,27 @@ from giraff_schemas.topics import CAMERA_PICTURES, TOPICS
 
 
 def known(source: str, word: str) -> list[str]:
-    """Return all of a source: robots, services, topics, published, or params of the service that `word` begins with."""
+    """Return all of a source; of parameters those of the service that `word` begins with, or else the services."""
     service, dot, _ = word.partition(".")
     match source:
         case "robots":
             return _robots()
         case "services":
             return [each.name for each in SERVICES]
-        case "params" if dot and service in ANSWERING:
-            return [f"{service}.{name}" for name in live_fields(_config(service))]
-        case "params":
+        case "params" | "settable" if dot and service in ANSWERING:
+            fixed = {None, Tuning.READ_ONLY} if source == "settable" else ()
+            return [f"{service}.{name}" for name, live in live_fields(_config(service)).items() if live not in fixed]
+        case "params" | "settable":
             return sorted(ANSWERING)
         case _:
             return [topic.key for topic in TOPICS if topic not in CAMERA_PICTURES]
 
 
-def narrowed(source: str, found: Iterable[str], word: str, verb: str) -> list[str]:
-    """Return what of it the verb takes. Parameters come by their services first, which end in a dot."""
-    if source != "params":
+def by_service(source: str, found: Iterable[str], word: str) -> list[str]:
+    """Return what was found; of parameters first the services, each with a dot, until one is typed."""
+    if source not in {"params", "settable"} or "." in word:
         return [*found]
-    if "." not in word:
-        return sorted({f"{each.partition('.')[0]}." for each in found})
-    service = word.partition(".")[0]
-    settable = verb != "set" or service not in ANSWERING
-    live = {} if settable else live_fields(_config(service))
-    fixed = {f"{service}.{name}" for name, tuning in live.items() if tuning in {None, Tuning.READ_ONLY}}
-    return [each for each in found if each not in fixed]
+    return sorted({f"{each.partition('.')[0]}." for each in found})
 
 
 def _config(service: str) -> Any:

@@ -60,7 +60,11 @@ def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def _params() -> bytes:
     names = ("margin", "maker_depth", "robot.track_width", *HOSTILE)
-    params = [Param(name=name, value=1, filed=1, saved=True, kind="", live="up", doc="") for name in names]
+    live = dict.fromkeys(names, "up") | {"maker_fixed": "fixed"}
+    params = [
+        Param(name=name, value=1, filed=1, saved=True, kind="", live=may, doc="")  # type: ignore[arg-type]
+        for name, may in live.items()
+    ]
     return encode(ParamAnswer(service="guard", instance="1", host="pi", done=True, reason="", params=tuple(params)))
 
 
@@ -83,6 +87,7 @@ def _health() -> bytes:
         ("node info --robot otto |", ["ear", "guard"]),
         ("param get |", ["base.", "guard."]),
         ("param set guard.ma|", ["guard.maker_depth", "guard.margin"]),
+        ("param get guard.maker|", ["guard.maker_depth", "guard.maker_fixed"]),
         ("param get robot.|", ["robot.track_width"]),
     ],
 )
@@ -102,6 +107,8 @@ def test_the_network_is_asked(words: str, told: list[str], capsys: pytest.Captur
         ("node info gu|", ["guard"]),
         ("param set guard.marg|", ["guard.margin"]),
         ("param get bas|", ["base."]),
+        ("param get guard.half|", ["guard.half_cone"]),
+        ("param set guard.half|", []),
         ("topic echo --robot |", []),
         ("play |", ["\tfile"]),
         ("go |", ["\tfile"]),
