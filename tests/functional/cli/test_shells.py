@@ -34,6 +34,8 @@ _TYPED: Final = (
 @pytest.mark.parametrize("shell", [shell for shell in _SHELLS if shell in _REQUIRED or shutil.which(shell)])
 def test_the_tab_key_completes(shell: str, tmp_path: Path) -> None:
     (tmp_path / "hall $(touch bad).toml").touch()
+    (tmp_path / "range").mkdir()
+    (tmp_path / "range" / "expanded").touch()  # by a shell that takes a candidate for a pattern
     environment = {
         "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
         "HOME": str(tmp_path),
