@@ -212,3 +212,10 @@ def test_what_the_robot_has_not_is_told_with_what_it_has(
     assert (code, out) == (2, "")
     [line] = complaint.splitlines()
     assert expected in line
+
+
+def test_a_mistyped_robot_is_told_with_the_one_that_was_meant(say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
+    meet(monkeypatch, alive_key("sim-test", "base", "1"))
+    assert "did you mean sim-test? on the network: --robot sim-test" in told(
+        "why", say("why", (), "--robot", "sim-tset")
+    )
