@@ -67,7 +67,7 @@ def test_a_page_that_hung_drives_again_only_with_another_touch(how: Input) -> No
         since = it.now
         it.run(2.0)
         assert it.driven_ms(since) == 0, "the finger was not lifted"
-        assert "lift" in browser.refusals[-1]
+        assert "let go" in browser.refusals[-1]
         browser.let_go()
         browser.tilted = (0.0, 0.0)
         it.drive(browser)
