@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -23,9 +21,3 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
 def desk(robot: ProcessRobot, tmp_path_factory: pytest.TempPathFactory) -> Desk:
     """Where the commands for that robot are called."""
     return Desk(tmp_path_factory.mktemp("desk"), robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], "sim-test")
-
-
-@pytest.fixture(scope="session")
-def able_to_draw() -> None:
-    """This machine can draw, with a graphics card or without."""
-    subprocess.run([Path(__file__).with_name("prepare")], check=True)

@@ -31,7 +31,7 @@ from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import ProcessRobot
 from tests.unit.replay.drive import begin_of_the_drive
 
-pytestmark = [pytest.mark.usefixtures("able_to_draw"), pytest.mark.timeout(240)]
+pytestmark = pytest.mark.timeout(240)
 
 
 TO_THE_WALL_NS = 11_000_000_000

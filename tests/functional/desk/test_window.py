@@ -5,8 +5,6 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-import pytest
-
 from giraff_cli.network.ports import free_port
 from giraff_schemas.messages import EStop
 from giraff_schemas.topics import ESTOP
@@ -14,8 +12,6 @@ from giraff_viewer.glyphs import ALPHABET
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show
 from giraff_viewer.window import Window
-
-pytestmark = pytest.mark.usefixtures("able_to_draw")
 
 
 def test_every_character_that_is_let_through_can_be_drawn(tmp_path: Path) -> None:

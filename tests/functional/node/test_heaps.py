@@ -8,7 +8,7 @@ import sys
 _LIBC = """
 import ctypes, sys, threading
 if sys.argv[1:]:
-    import giraff_node
+    import giraff_node.start
 libc = ctypes.CDLL(None)
 """
 _COUNT = """
@@ -37,17 +37,17 @@ print(libc.mallinfo2().sizes[4])
 
 
 def printed(script: str, *words: str) -> str:
-    """By a process of its own; with any words one that has imported giraff_node."""
+    """By a process of its own; with any words one that has imported giraff_node.start."""
     command = [sys.executable, "-c", _LIBC + script, *words]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def test_threads_of_a_service_share_two_heaps() -> None:
     assert printed(_COUNT).count("<heap ") > 2
-    assert printed(_COUNT, "giraff_node").count("<heap ") == 2
+    assert printed(_COUNT, "giraff_node.start").count("<heap ") == 2
 
 
 def test_a_large_block_is_a_mapping_of_its_own() -> None:
     """So that it goes back when it is freed, whatever was freed before."""
-    mapped, by_itself = int(printed(_LARGE, "giraff_node")), int(printed(_LARGE))
+    mapped, by_itself = int(printed(_LARGE, "giraff_node.start")), int(printed(_LARGE))
     assert mapped - by_itself >= 1 << 20

@@ -166,7 +166,7 @@ def test_info_tells_fields_quality_and_both_ends(desk: Desk) -> None:
     found = document(rear)
     assert (found["robot"], found["whole_key"]) == ("sim-test", "giraff/sim-test/range/rear")
     assert [maker["service"] for maker in found["row"]["publishers"]] == ["ranger"]
-    assert [maker["service"] for maker in found["row"]["subscribers"]] == ["guard"]
+    assert [maker["service"] for maker in found["row"]["subscribers"]] == ["guard", "odometry"]
     assert found["matching"]
     fields = {field["name"]: (field["type"], field["doc"]) for field in found["fields"]}
     assert fields["range"] == ("float | None", "m from the sensor; only of an echo.")
