@@ -19,10 +19,10 @@ run: ## Drive the simulated robot, e.g. make run ARGS="--for 30"; installs what 
 	@scripts/setup run
 	@$(VENV)/giraff run $(ARGS)
 
-viewer: ## Add the library of giraff view, some 500 MB
+viewer: ## Add the library of giraff view: 220 MB to download, 670 on the disk
 	@scripts/setup viewer
 
-camera: ## Add the library of giraff run --camera and giraff vision
+camera: ## Add OpenCV, for giraff run --camera, giraff vision and giraff calibrate camera
 	@scripts/setup camera
 
 setup: ## Install and build whatever a run or a test needs; skips what is there
