@@ -24,6 +24,7 @@ import msgspec
 from giraff_core.kinematics.parts import ANGLE
 from giraff_maps.checks import LARGEST
 from giraff_maps.floor_plan import MapError, at_home, read_text, require_file
+from giraff_node.process.libraries import remedy
 from giraff_schemas.text import near, plain
 
 if TYPE_CHECKING:
@@ -192,6 +193,4 @@ def _occupied(path: Path, said: GridFile, image: Image.Image) -> Occupied:
 
 
 def _missing(path: Path, library: str) -> MapError:
-    return MapError(
-        f"{path}: to read it, the library {library} is missing; in the clone: pip install '.[localization]'"
-    )
+    return MapError(f"{path}: to read it, the library {library} is missing; {remedy('localization')}")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from giraff_maps.checks import MOST_WALLS
 from giraff_maps.floor_plan import MapError, Wall
+from giraff_node.process.libraries import remedy
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,7 +53,7 @@ def _outlines(occupied: NDArray[np.bool_]) -> list[Points]:
     try:
         from contourpy import contour_generator  # noqa: PLC0415
     except ImportError as error:
-        raise MapError("the library contourpy is missing; in the clone: pip install '.[localization]'") from error
+        raise MapError(f"the library contourpy is missing; {remedy('localization')}") from error
     field = np.pad(occupied.astype(np.float32), 1)  # also what reaches the edge has an outline there
     found = contour_generator(z=field).lines(_LEVEL)
     return [np.asarray(line, dtype=np.float64) - 0.5 for line in found]

@@ -144,4 +144,4 @@ def test_a_library_that_is_missing(tmp_path: Path, library: str, monkeypatch: py
     monkeypatch.setitem(sys.modules, library, None)
     line = refused(path)
     named = {"PIL": "pillow"}.get(library, library)
-    assert f"the library {named} is missing; in the clone: pip install '.[localization]'" in line
+    assert f"the library {named} is missing; in the clone: make setup" in line
