@@ -210,7 +210,8 @@ def require_chunk(name: str) -> str:
     """Return `name`, if it can be one chunk of a key; else raise ValueError."""
     if len(name) > LONGEST_CHUNK:
         raise ValueError(f"{name[:20]!r}... has {len(name)} characters: use {LONGEST_CHUNK} at most")
-    if not name or not name.isascii() or any(c in "/*$?# \"'`" or not c.isprintable() for c in name):
+    # Dots alone name a folder, and a robot has one of its name.
+    if not name.strip(".") or not name.isascii() or any(c in "/*$?# \"'`" or not c.isprintable() for c in name):
         raise ValueError(f"{name!r} cannot be part of a key: use letters, digits, '-' and '_'")
     return name
 

@@ -20,6 +20,10 @@ def main() -> None:
     # Python's own handler would raise in whatever is being imported, and show that. A command that has something to
     # end first takes the signals over when it begins.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # A stop is confirmed by its exit code, also where whoever began it has closed an output.
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115  as long as the process
     # A letter that the locale's encoding lacks must not end a command: least of all a stop.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -46,8 +50,6 @@ def end(code: int, *, tidily: bool = True) -> None:
     if tidily:
         atexit._run_exitfuncs()  # noqa: SLF001  of libraries: there is no public way
     for stream in (sys.stdout, sys.stderr):
-        if stream is None:  # whoever started the command has closed it
-            continue
         try:
             stream.flush()
         except (OSError, ValueError):  # what was told has gone nowhere

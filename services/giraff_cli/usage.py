@@ -70,7 +70,7 @@ def first_sentence(text: str) -> str:
 def _told(error: typer.TyperException, command: Any, rest: list[str]) -> str:
     """Return what is wrong, with the word that was meant."""
     if rest and not rest[0].startswith("-") and hasattr(command, "commands"):
-        return f"no command {rest[0]!r}{_meant(rest[0], command.commands)}"
+        return f"no command {rest[0]!r}{_meant(rest[0], (*command.commands, '--help', '--version'))}"
     there = [*(name for parameter in command.params for name in parameter.opts), "--help", "-h"]
     # A command that takes negative numbers takes a mistyped option for a value, and misses or refuses another one.
     option = next((word.partition("=")[0] for word in rest if word.startswith("--")), "--")

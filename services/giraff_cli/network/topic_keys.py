@@ -71,8 +71,9 @@ def _is_asked(key: str) -> bool:
 def below_robot(key: str, robot: str | None, said: str = "--robot says") -> tuple[str, str | None]:
     """Return a key, which may be typed whole, below the robot's name, and that name. Raises UnknownKeyError.
 
-    `said`: who else names the robot.
+    A slash before it, as ROS has it, counts for nothing. `said`: who else names the robot.
     """
+    key = key.strip("/") or key
     root, _, rest = key.partition("/")
     named, _, below = rest.partition("/")
     if root != ROOT or not below:

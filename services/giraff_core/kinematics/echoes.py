@@ -14,6 +14,8 @@ from giraff_schemas.requests import EchoMap
 
 CELL: Final = 0.05
 """m. Side of a cell."""
+_FARTHEST: Final = 1e5
+"""m from the origin. No robot hears so far, but anybody on an open network may say so."""
 MOST_CELLS: Final = 4000
 """Cells that are kept, an answer of 24 kB. A new one then replaces the one that was heard longest ago."""
 
@@ -56,7 +58,8 @@ class Echoes:
             return False
         with suppress(FrameError):  # it is not known where the robot was
             place = Pose(reading.range, 0.0, 0.0).placed_in(sensor).placed_in(self._way.at(reading.tick))
-            return self._keep((round(place.x / CELL), round(place.y / CELL)))
+            if abs(place.x) < _FARTHEST and abs(place.y) < _FARTHEST:
+                return self._keep((round(place.x / CELL), round(place.y / CELL)))
         return False
 
     def join(self, earlier: EchoMap) -> bool:

@@ -10,15 +10,12 @@ import zenoh
 _MOST_HEARD: Final = 256  # answers kept; on an open network anybody may answer
 _WITHIN: Final = 1.0  # s in which a first answer is waited for
 _LATER: Final = 0.1  # s after it; the others come within some ten ms
-_LOOK: Final = 0.005  # s
+_LOOK: Final = 0.01  # s
 _DOOR: Final = ":7447"
 
 
 def scout(seconds: float, *, first: bool = False) -> dict[str, list[str]]:
-    """Who answers: by Zenoh id, its locators.
-
-    `first`: no longer than until a door answers at its usual port, or a moment after the first other answer.
-    """
+    """Who answers: by Zenoh id, its locators. `first`: no longer than a moment after the first answer."""
     # Zenoh's default handler would block when it is full.
     calling: Any = zenoh.scout(zenoh.handlers.RingChannel(_MOST_HEARD), what="peer|router")
     heard: dict[str, list[str]] = {}
@@ -28,18 +25,12 @@ def scout(seconds: float, *, first: bool = False) -> dict[str, list[str]]:
             if first and not heard:
                 until = now + _LATER
             heard[str(hello.zid)] = [str(locator) for locator in hello.locators]
-            if first and any(map(_is_usual, heard[str(hello.zid)])):
-                until = now
         time.sleep(_LOOK)
     calling.stop()
     return heard
 
 
-def find_doors(*, first: bool) -> list[str]:
-    """Return locators at which a client may link, those at a door's usual port first. `first`: as of `scout`."""
-    met = dict.fromkeys(locator for locators in scout(_WITHIN, first=first).values() for locator in locators)
-    return sorted(met, key=lambda locator: not _is_usual(locator))
-
-
-def _is_usual(locator: str) -> bool:
-    return locator.endswith(_DOOR)
+def find_doors() -> list[str]:
+    """Return locators at which a client may link, those at a door's usual port first."""
+    met = dict.fromkeys(locator for locators in scout(_WITHIN, first=True).values() for locator in locators)
+    return sorted(met, key=lambda locator: not locator.endswith(_DOOR))

@@ -170,13 +170,10 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
     if is_met and robot == "*":
         return
     if network.mode == "lan" and not network.local and not network.connect:
-        for first in (True, False):  # whoever answers first need not be a door that takes anybody in
-            met = [door for door in find_doors(first=first) if door.startswith(f"{link_of(network)}/")]
-            with contextlib.suppress(zenoh.ZError):
-                yield "", _open_first(config, met or doors)
-                return
-            if not met:
-                break
+        met = [door for door in find_doors() if door.startswith(f"{link_of(network)}/")]
+        with contextlib.suppress(zenoh.ZError):
+            yield "", _open_first(config, met or doors)
+            return
     if not is_met:
         raise NobodyError(", ".join(each.partition("/")[2] for each in doors))
 

@@ -12,15 +12,16 @@ const SWITCHES = [4, 5];
 /** One axis as a share of full speed: the pad's curve, so that a quarter of the stick's way asks nothing. */
 export const stickShare = (axis) => padShare(axis, 1 / PAD_FULL);
 
-/** Read one gamepad; null: it is no hand. */
+/** Read one gamepad; null: nobody knows its buttons. Its stop counts even where its stick says no number. */
 export function read(pad) {
   if (!pad?.connected || pad.mapping !== "standard" || pad.buttons.length <= Math.max(...SWITCHES)) return null;
   const [x, y] = pad.axes;
-  if (!Number.isFinite(x) || !Number.isFinite(y)) return null;
+  const isHand = Number.isFinite(x) && Number.isFinite(y);
   return {
+    isHand,
     held: SWITCHES.some((each) => pad.buttons[each].pressed),
     stop: pad.buttons[STOP].pressed,
-    asks: [stickShare(-y), stickShare(-x)],
+    asks: isHand ? [stickShare(-y), stickShare(-x)] : [0, 0],
     // Not its timestamp: some systems renew that with each look, others only when something moves.
     state: [...pad.axes, ...pad.buttons.map((button) => button.value)].join(),
   };
@@ -31,7 +32,7 @@ export function padText(pads) {
   const connected = pads.filter((pad) => pad?.connected);
   if (connected.some(read)) return "Hold LB or RB (L1, R1), drive with the left stick. B (circle) stops.";
   if (!connected.length) return "No gamepad is heard: plug it in and press one of its buttons.";
-  return `This browser does not know the buttons of ${connected[0].id}: use another gamepad or browser.`;
+  return `This browser does not know the buttons of ${connected[0].id}, and none of them stops: use another one.`;
 }
 
 export class Gamepads {
@@ -52,6 +53,7 @@ export class Gamepads {
   /** Take all gamepads, before the hand's own frame. A switch that is down at the first look was pressed for nothing. */
   onFrame(pads, now) {
     const known = new Map();
+    const stops = pads.some((pad) => read(pad)?.stop); // whoever stops begins no hold, with any gamepad
     for (const pad of pads) {
       const is = read(pad);
       if (!is) continue;
@@ -59,13 +61,13 @@ export class Gamepads {
       const was = this._known.get(name);
       known.set(name, is);
       if (is.stop && !was?.stop) this._stop.press();
-      if (!is.held || !was || was.held) continue;
+      if (stops || !is.isHand || !is.held || !was?.isHand || was.held) continue;
       const centred = is.asks.every((share) => share === 0);
       // It was pressed after the last look, and nobody knows when.
       if (this._hand.onSwitchDown(centred, this._lookedAt, now)) this._holder = name;
     }
     const holder = known.get(this._holder);
-    if (!holder) this._hand.onGamepadGone();
+    if (!holder?.isHand) this._hand.onGamepadGone();
     else if (!holder.held) this._hand.onSwitchUp();
     else this._hand.onStick(holder.asks, holder.state !== this._known.get(this._holder)?.state, now);
     this._known = known;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import io
+import sys
 from collections.abc import Callable
 from typing import NoReturn
 
@@ -43,6 +44,7 @@ def test_a_command_ends_without_taking_python_down(
     with pytest.raises(StopIteration) as end:
         start.main()
     assert (end.value.value, told) == (ended, ["exit"])
+    sys.stdout.close()
 
 
 def test_an_exception_that_nobody_foresaw_is_shown_and_ends_it(

@@ -175,6 +175,9 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 def test_the_only_robot_is_meant_where_nobody_names_one(network: Network) -> None:
     with pytest.raises(NoRobotError, match=r"no robot is heard on the network after 0\.3 s; check that it is on"):
         find_robot(network.ours, "", 0.3)
+    with pytest.raises(NoRobotError, match="after 10 s"):  # which have gone by before anybody was given up
+        find_robot(network.ours, "", 10.0, at_door=False)
+    assert network.clock.monotonic() < 2.0
     comes = network.others.declare_token(alive_key(ONE, "guard", "1"))
     network.clock.after(3.0, comes.__enter__)
     assert find_robot(network.ours, "", 10.0) == ONE

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import socket
-from collections.abc import Sequence
-from typing import Any, get_args
+from typing import get_args
 
 import msgspec
 import pytest
@@ -13,8 +12,7 @@ import zenoh
 
 from giraff_core.network import NetworkConfig, door_ports, with_port
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network import session
-from giraff_node.network.session import Role, open_clients, session_config, way_to
+from giraff_node.network.session import Role, session_config, way_to
 
 ROBOT = "sim-node"
 
@@ -132,18 +130,3 @@ def test_zenoh_is_told_an_interface_by_its_number() -> None:
     number, name = socket.if_nameindex()[0]
     assert way_to(NetworkConfig(), f"fe80::1%{name}") == f"tcp/[fe80::1%{number}]:7447"
     assert way_to(NetworkConfig(), "[fe80::1%none]:1") == "tcp/[fe80::1%none]:1"
-
-
-def test_a_door_that_answers_first_and_takes_nobody_in_hides_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A stop links to whoever answers the call by multicast first, and there may be nobody behind that answer."""
-    dead, alive = "tcp/192.0.2.1:7447", "tcp/192.0.2.2:7448"
-    monkeypatch.setattr(session, "find_doors", lambda *, first: [dead] if first else [dead, alive])
-
-    def link(_: object, ways: Sequence[str]) -> Any:
-        if alive not in ways:
-            raise zenoh.ZError("nobody answers")
-        return ways
-
-    monkeypatch.setattr(session, "_open_first", link)
-    [(_, linked)] = open_clients(NetworkConfig(), "*")
-    assert alive in list(linked)  # type: ignore[call-overload]

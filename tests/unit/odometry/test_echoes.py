@@ -128,3 +128,11 @@ def test_odometry_keeps_echoes_and_answers_who_asks() -> None:
     inboxes[WHEELS.key].accept(wheels(220, 220, 11 * PERIOD_US))
     kept = answer(ODOM_ECHOES, OdomEchoes(by="ann"))
     assert (kept.jumps, kept.columns) == (1, ())
+
+
+def test_an_echo_from_beyond_every_room_is_none() -> None:
+    """One such reading ended a view, and an answer that no integer holds ended odometry's turn."""
+    echoes = Echoes(ROBOT.sensor_poses)
+    echoes.hear(pose(0, 0.0))
+    assert [echoes.add(echo(0, distance)) for distance in (1e19, 1e308)] == [False, False]
+    assert echoes.points == []

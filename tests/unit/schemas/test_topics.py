@@ -18,7 +18,7 @@ from giraff_schemas.topics import (
     require_chunk,
 )
 
-BAD_CHUNKS = ["a/b", "*", "**", "", "ä", "a b", "a$b", "a?", "a#", "/", "a\n", "\0", "\x7f", " ", '"a"', "'a'"]
+BAD_CHUNKS = ["a/b", "*", "**", "", "..", "ä", "a b", "a$b", "a?", "a#", "/", "a\n", "\0", "\x7f", " ", '"a"', "'a'"]
 
 
 def test_a_key_is_root_robot_and_row() -> None:

@@ -194,5 +194,17 @@ test("B stops at each press, whatever was chosen, also as the press by which the
 test("the field says what to hold, or why there is no gamepad to hold", () => {
   assert.match(padText([null, pad()]), /^Hold LB or RB/);
   assert.match(padText([null]), /^No gamepad is heard: plug it in/);
-  assert.match(padText([pad({ mapping: "", id: "Old" })]), /does not know the buttons of Old: use another/);
+  assert.match(padText([pad({ mapping: "", id: "Old" })]), /does not know the buttons of Old, and none of them stops: use another/);
+});
+
+test("a stop counts beside a stick that says no number, and no hold begins while it is down", () => {
+  const desk = new Desk();
+  desk.frame(pad({ down: [B], x: NaN }));
+  assert.deepEqual([desk.stops, desk.hold], [1, 0]);
+  const other = new Desk();
+  other.frame(pad({ down: [B, LB] }));
+  other.frame(pad({ down: [B, LB], y: -1 }));
+  assert.deepEqual([other.stops, other.hold], [1, 0]);
+  other.frame(pad({ down: [LB] }));
+  assert.equal(other.hold, 0, "the switch was pressed for a stop");
 });
