@@ -104,6 +104,10 @@ def plain(error: Exception | str) -> str:
     return f"{place}: {ours}" if place else ours
 
 
+_CLEARLY: Final = 0.1
+"""Share of letters in common by which the nearest word leaves the next one out of a question."""
+
+
 def near(word: str, known: Iterable[str], most: int = 1, cutoff: float = 0.6) -> list[str]:
     """Return the known words that may be meant, the nearest first. `cutoff`: least share of letters in common."""
     import difflib  # noqa: PLC0415  for what is mistyped, which is seldom
@@ -113,7 +117,12 @@ def near(word: str, known: Iterable[str], most: int = 1, cutoff: float = 0.6) ->
 
 def meant(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """Return a question for the known words that are near, with a blank behind it; empty: none is."""
+    import difflib  # noqa: PLC0415
+
     found = near(word, known, 2, cutoff)
+    shares = [difflib.SequenceMatcher(None, each, word).ratio() for each in found]
+    if shares and shares[0] - shares[-1] > _CLEARLY:
+        del found[1:]
     return f"did you mean {' or '.join(found)}? " if found else ""
 
 

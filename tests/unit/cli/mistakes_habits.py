@@ -5,7 +5,7 @@ from __future__ import annotations
 ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("wach",), "giraff: no command 'wach': did you mean watch? (see giraff --help)"),
     (("help",), "giraff: no command 'help': did you mean --help? (see giraff --help)"),
-    (("version",), "giraff: no command 'version': did you mean --version or vision? (see giraff --help)"),
+    (("version",), "giraff: no command 'version': did you mean --version? (see giraff --help)"),
     (("xyzzy",), "giraff: no command 'xyzzy' (see giraff --help)"),
     (("--verison",), "giraff: no option --verison: did you mean --version? (see giraff --help)"),
     (("estop", "engae"), "giraff estop: no command 'engae': did you mean engage? (see giraff estop --help)"),
