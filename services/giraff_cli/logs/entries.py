@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.terminal.service_log import Entry, moment_of, read_entry
+from giraff_cli.terminal.service_log import LAST_MOMENT, Entry, moment_of, read_entry
 from giraff_cli.terminal.text import json_line
 from giraff_schemas.text import printable
 
@@ -40,8 +40,11 @@ def since_moment(text: str, now: float) -> float:
         raise ValueError(f"{text!r} is no time: give one like 10min, 2h, 14:30 or 2026-05-31T14:30") from None
 
 
-def journal_entry(line: str) -> Entry | None:
-    """Return the entry of a line of `journalctl -o json`. None: it is no unit's of Giraff."""
+def journal_entry(line: str, now: float) -> Entry | None:
+    """Return the entry of a line of `journalctl -o json`. None: it is no unit's of Giraff.
+
+    `now`: for a line whose time no clock can have shown.
+    """
     try:
         fields: Any = msgspec.json.decode(line)
     except (msgspec.MsgspecError, UnicodeEncodeError, RecursionError):
@@ -53,11 +56,20 @@ def journal_entry(line: str) -> Entry | None:
     stamp, priority = str(fields.get("__REALTIME_TIMESTAMP")), str(fields.get("PRIORITY"))
     if unit is None or not stamp.isdecimal():
         return None
-    words, at = _message(fields.get("MESSAGE")), int(stamp) * 1e-6
+    words, at = _message(fields.get("MESSAGE")), float(stamp) * 1e-6
+    if at >= LAST_MOMENT:
+        at = now
     if fields.get("_TRANSPORT") == _OWN_STREAM:
         return read_entry(words, unit[1], at)
     level = _BY_PRIORITY[int(priority)] if re.fullmatch("[0-7]", priority) else "info"
     return Entry(at, unit[1], level, words)
+
+
+def run_text(folder: str, ended: float, now: float) -> str:
+    """Return which run is shown where none goes on. `ended`, `now`: s since 1970."""
+    at = _local(ended)
+    date = "" if at.date() == _local(now).date() else f"on {at:%Y-%m-%d} "
+    return f"no run goes on; shown is the run in {folder} that ended {date}at {at:%H:%M}"
 
 
 def _message(field: Any) -> str:

@@ -9,9 +9,10 @@ import select
 import sys
 import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Final
 
-from giraff_cli.logs.entries import Merge, json_of, line_of, since_moment
+from giraff_cli.logs.entries import Merge, json_of, line_of, run_text, since_moment
 from giraff_cli.logs.sources import SOURCES, LogFile, Program, Stream, Wanted
 from giraff_cli.terminal.output import DONE, guard_stdout
 from giraff_cli.terminal.service_log import LEVELS, Entry
@@ -82,8 +83,10 @@ class _Reading:
         open_now = {stream.name: math.inf for stream in self._streams}
         wanted = self._wanted if is_first else self._wanted._replace(since=0.0, seen=self._seen | open_now)
         troubles = []
-        for source in list(self._sources):
-            found, trouble = source(wanted)
+        asked = list(self._sources)
+        with ThreadPoolExecutor(len(asked)) as pool:  # at once: each may take some seconds to say nothing
+            answers = list(pool.map(lambda source: source(wanted), asked))
+        for source, (found, trouble) in zip(asked, answers, strict=True):
             if trouble:  # it is not asked again: one that hangs would hold up the rest each time
                 troubles.append(trouble)
                 self._sources.remove(source)
@@ -94,6 +97,8 @@ class _Reading:
         if not is_first:
             for trouble in troubles:
                 _tell(f"{trouble}; what starts from here on is left out")
+        elif shown := [each for each in self._streams if isinstance(each, LogFile) and each.ended is not None]:
+            _tell(run_text(shown[0].folder, shown[0].ended or 0.0, time.time()))
         if self._streams or not is_first:
             return ""
         if troubles:

@@ -102,9 +102,12 @@ class Program:
 class LogFile:
     """Entries of a log of `giraff run`."""
 
-    def __init__(self, path: Path, *, follow: bool, last: int | None) -> None:
+    def __init__(self, path: Path, *, follow: bool, last: int | None, ended: float | None = None) -> None:
         """`last`: begin with so many lines. None: with all. Raises OSError."""
         self.name = str(path)
+        self.folder = str(path.parent)
+        self.ended = ended
+        """s since 1970, of its run. None: that goes on."""
         self.has_ended = False
         self.has_more = True
         """There may be more to read at once."""
@@ -173,7 +176,7 @@ def journal(wanted: Wanted) -> tuple[list[Stream], Trouble]:
         return [], trouble
     begin = [f"--since=@{wanted.since:.6f}"] if wanted.since is not None else []
     goes_on = ["--follow", f"--lines={LAST_LINES}" if wanted.since is None else "--no-tail"] if wanted.follow else []
-    return [Program("the journal", [*command, "--quiet", *begin, *goes_on], journal_entry)], WELL
+    return [Program("the journal", [*command, "--quiet", *begin, *goes_on], _journal_entry)], WELL
 
 
 def containers(wanted: Wanted) -> tuple[list[Stream], Trouble]:
@@ -196,10 +199,11 @@ def runs(wanted: Wanted) -> tuple[list[Stream], Trouble]:
     """Return a stream for each log of `giraff run`."""
     last = LAST_LINES if wanted.follow and wanted.since is None else None
     streams: list[Stream] = []
-    for log in sorted(log for folder in run_directories() for log in folder.glob("*.log")):
+    folders, ended = run_directories()
+    for log in sorted(log for folder in folders for log in folder.glob("*.log")):
         if wanted.includes(log.stem) and str(log) not in wanted.seen:
             with contextlib.suppress(OSError):  # just gone
-                streams.append(LogFile(log, follow=wanted.follow, last=last))
+                streams.append(LogFile(log, follow=wanted.follow, last=last, ended=ended))
     return streams, WELL
 
 
@@ -213,6 +217,10 @@ def containers_in(listing: str) -> Iterator[tuple[str, str]]:
         service, _, made_of = rest.partition("\t")
         if "giraff" in made_of:
             yield name, service
+
+
+def _journal_entry(line: str) -> Entry | None:
+    return journal_entry(line, time.time())
 
 
 def _container_entry(line: str, service: str) -> Entry:

@@ -37,8 +37,11 @@ class RunDirectory:
         self._lock.close()
 
 
-def run_directories() -> list[Path]:
-    """Return the directories of this user's runs that go on; where none does, the last one with logs."""
+def run_directories() -> tuple[list[Path], float | None]:
+    """Return the directories of this user's runs that go on; where none does, the last one with logs.
+
+    With it: when that one ended, in s since 1970. None: they go on.
+    """
     left: list[tuple[float, Path]] = []
     going_on: list[Path] = []
     for path in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
@@ -48,9 +51,12 @@ def run_directories() -> list[Path]:
                 continue
             if lock.exists() and not _is_free(lock):
                 going_on.append(path)
-            elif any(path.glob("*.log")):
-                left.append((status.st_mtime, path))
-    return going_on or [path for _, path in sorted(left)[-1:]]
+            elif written := [log.lstat().st_mtime for log in path.glob("*.log")]:
+                left.append((max(status.st_mtime, *written), path))  # a run that was killed leaves only its logs newer
+    if going_on or not left:
+        return going_on, None
+    ended, last = max(left)
+    return [last], ended
 
 
 def _remove_abandoned(parent: Path) -> None:

@@ -16,7 +16,7 @@ LEVELS: Final = {"debug": 0, "info": 1, "warning": 2, "error": 3, "critical": 4}
 """Ranks of the levels: the higher, the worse."""
 _NO_LEVEL: Final = "error"
 """Level of plain text. A service writes none: Python or a library has, of a fault."""
-_LAST_MOMENT: Final = 4.1e9  # s since 1970: the year 2099
+LAST_MOMENT: Final = 4.1e9  # s since 1970: the year 2099
 _LONGEST: Final = 500  # characters of a cause that is told on one line
 _TORN: Final = re.compile(r'\{"time":"([^"]*)","level":"(\w+)","service":"([^"]*)","message":"(.*)')
 _CRASH: Final = "Fatal Python error"
@@ -58,7 +58,7 @@ def moment_of(text: str, otherwise: float) -> float:
         at = datetime.fromisoformat(text).timestamp()
     except (ValueError, OverflowError, OSError):
         return otherwise
-    return at if 0.0 <= at < _LAST_MOMENT else otherwise
+    return at if 0.0 <= at < LAST_MOMENT else otherwise
 
 
 def cause_of(lines: Sequence[str], *, crashed: bool) -> str:

@@ -17,7 +17,7 @@ PATIENCE = 60.0
 JOURNAL = """#!/bin/sh
 echo $$ >>"$HERE/pids"
 test -z "$DENIED" || { echo "No journal files were opened due to insufficient permissions." >&2; exit 1; }
-case "$*" in *--lines=1) ;; *--unit=giraff@base.service*) ;; *) exit 0 ;; esac
+case "$*" in *--lines=1) test -z "$MEET" || cat "$HERE/meet" ;; *--unit=giraff@base.service*) ;; *) exit 0 ;; esac
 cat "$HERE/journal"
 case "$*" in *--follow*) exec sleep 600 ;; esac
 """
@@ -25,7 +25,10 @@ DOCKER = """#!/bin/sh
 echo $$ >>"$HERE/pids"
 test -z "$DENIED" || { echo "permission denied while trying to connect to the Docker daemon socket" >&2; exit 1; }
 case "$1" in
-    ps) printf 'ab12\\tguard\\tgiraff:robot "python -m giraff_node guard"\\n' ;;
+    ps)
+        test -z "$MEET" || echo >"$HERE/meet"
+        printf 'ab12\\tguard\\tgiraff:robot "python -m giraff_node guard"\\n'
+        ;;
     logs)
         echo "a live view"
         cat "$HERE/container" >&2
@@ -53,10 +56,15 @@ class Host:
             (folder / name).chmod(0o755)
         (folder / "journal").write_text(OF_THE_JOURNAL)
         (folder / "container").write_text(OF_DOCKER)
+        os.mkfifo(folder / "meet")  # with MEET, journalctl and docker answer once both have been asked
         self.folder = folder
         self.log = folder / "giraff-run-x" / "web.log"
         self.log.parent.mkdir()
         self.log.write_text(OF_A_RUN.format(21, 1) + OF_A_RUN.format(23, 2))
+        for path in (self.log, self.log.parent):
+            os.utime(path, (1700000004.0, 1700000004.0))
+        ended = "ended on 2023-11-14 at 22:13"
+        self.says = f"giraff logs: no run goes on; shown is the run in {self.log.parent} that {ended}\n"
         self.environment = {
             **os.environ,
             "PATH": f"{folder}:/usr/bin:/bin",
@@ -98,7 +106,7 @@ def test_the_words_of_all_sources_come_in_one_order(host: Host) -> None:
         "2023-11-14 22:13:22.000 base         error    of the journal\n"
         "2023-11-14 22:13:23.000 web          warning  of a run, 2\n"
     )
-    assert host.run() == (0, told, "")
+    assert host.run(MEET="yes") == (0, told, host.says), "they are asked at once: one that hangs takes no other's time"
 
 
 def test_where_nothing_may_be_read_it_says_what_to_do(host: Host) -> None:
@@ -124,7 +132,7 @@ def test_it_goes_on_with_what_comes_and_ctrl_c_is_quiet(host: Host) -> None:
             log.write(OF_A_RUN.format(24, "while it is watched"))
         assert "while it is watched" in process.stdout.readline()
         process.send_signal(signal.SIGINT)
-        assert process.communicate(timeout=PATIENCE) == ("", "")
+        assert process.communicate(timeout=PATIENCE) == ("", host.says)
         assert process.returncode == 0
 
 
@@ -134,5 +142,5 @@ def test_it_ends_when_its_reader_goes(host: Host) -> None:
         process.stdout.readline()
         process.stdout.close()
         assert process.stderr is not None
-        assert process.stderr.read() == ""
+        assert process.stderr.read() == host.says
         assert process.wait(PATIENCE) == 0

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from datetime import datetime
 from pathlib import Path
 
 import msgspec
 import pytest
 
-from giraff_cli.logs.entries import Merge, container_entry, journal_entry, json_of, line_of, since_moment
-from giraff_cli.logs.sources import LogFile, containers_in
+from giraff_cli.logs.entries import Merge, container_entry, journal_entry, json_of, line_of, run_text, since_moment
+from giraff_cli.logs.sources import LogFile, Wanted, containers_in, runs
 from giraff_cli.terminal.service_log import Entry
 
 OWN = '{"time":"2023-11-14T22:13:20.120Z","level":"warning","service":"base","message":"low"}'
@@ -45,13 +46,15 @@ OF_SYSTEMD: dict[str, object] = {"_TRANSPORT": "journal", "_SYSTEMD_UNIT": "init
             journal(**OF_SYSTEMD, PRIORITY="4", MESSAGE="Failed with result 'exit-code'."),
             Entry(1700000000.125, "web", "warning", "Failed with result 'exit-code'."),
         ),
+        (journal(__REALTIME_TIMESTAMP="9" * 20, MESSAGE="late"), Entry(1.0, "base", "error", "late")),
+        (journal(__REALTIME_TIMESTAMP="9" * 5000), Entry(1700000000.12, "base", "warning", "low")),
         (journal(_SYSTEMD_UNIT="ssh.service"), None),
         ("-- No entries --", None),
         ("[1]", None),
     ],
 )
 def test_a_line_of_the_journal(line: str, entry: Entry | None) -> None:
-    assert journal_entry(line) == entry
+    assert journal_entry(line, 1.0) == entry
 
 
 def test_a_line_of_a_container() -> None:
@@ -117,3 +120,27 @@ def test_a_log_that_grows_is_read_on_and_its_last_line_is_told_when_it_ends(tmp_
     assert log.read() == [Entry(1700000000.12, "base", "error", "and its tail")]
     assert log.has_ended
     log.close()
+
+
+def test_a_link_is_left_out_and_a_pipe_holds_nothing_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    folder = tmp_path / "giraff-run-x"
+    folder.mkdir()
+    (folder / "base.log").write_text("own\n")
+    (tmp_path / "other").write_text("another's\n")
+    (folder / "web.log").symlink_to(tmp_path / "other")
+    os.mkfifo(folder / "guard.log")
+    for path in (folder / "base.log", folder / "guard.log", folder):
+        os.utime(path, (7.0, 7.0))
+    os.utime(folder / "web.log", (9.0, 9.0), follow_symlinks=False)
+    streams, _ = runs(Wanted((), follow=False, since=None))
+    words = [entry.words for stream in streams for entry in stream.read()]
+    for stream in streams:
+        stream.close()
+    assert words == ["own"]
+    assert [stream.ended for stream in streams if isinstance(stream, LogFile)] == [9.0, 9.0]
+
+
+def test_a_run_that_ended_is_told_with_its_time_and_on_another_day_with_the_date() -> None:
+    assert run_text("run", NOW - 600.0, NOW).endswith("the run in run that ended at 14:35")
+    assert run_text("run", NOW - 86400.0, NOW).endswith("that ended on 2026-05-30 at 14:45")
