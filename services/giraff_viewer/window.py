@@ -22,7 +22,9 @@ PICTURE_SIZE: Final = "1600x1000"
 
 _START_WITHIN: Final = 30.0  # s; without a graphics card, on a machine that does other things
 _SHOWN_WITHIN: Final = 60.0  # s
-_POPUPS_GONE: Final = 6.0  # s after its start the viewer no longer tells about itself over the picture
+_POPUPS_GONE: Final = 40
+"""Frames after which the viewer no longer tells about itself over the picture. Without a screen each one counts as 0.25
+s of a pop-up's 4 s, however long it took, and an idle viewer draws one a second."""
 _SETTLE: Final = 1.0  # s that the views take for what has come
 _END_WITHIN: Final = 3.0  # s
 _NO_GRAPHICS: Final = "Failed to get render context"
@@ -77,11 +79,15 @@ class Window:
     def picture(self, path: Path, newest: float) -> None:
         """Write what it shows as PNG, as soon as it shows the moment `newest` (s since 1970). Raises ViewerError."""
         deadline = time.monotonic() + _SHOWN_WITHIN
-        while not self.shows(newest):
+        frames = 0
+        while frames < _POPUPS_GONE:
+            if self.shows(newest):
+                frames += 1  # it answers while it draws
+                continue
             if time.monotonic() > deadline:
                 raise ViewerError(f"the viewer has not shown everything within {_SHOWN_WITHIN:g} s")
             time.sleep(0.1)
-        time.sleep(max(_SETTLE, self._began + _POPUPS_GONE - time.monotonic()))
+        time.sleep(_SETTLE)
         part = path.absolute().with_name(f".{path.name}.part.png")
         try:
             self._client().save_screenshot(str(part))

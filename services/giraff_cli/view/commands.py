@@ -20,7 +20,10 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
         Path | None, typer.Option(metavar="FILE", help="No window: write .rrd for `rerun FILE`.", show_default=False)
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="No window: write the last sight as PNG.", show_default=False)
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="No window: write the last sight as PNG. Live: needs --for.", show_default=False
+        ),
     ] = None,
     web: Annotated[
         bool, typer.Option("--web", help="No window: for every browser of the network, without a password.")

@@ -16,6 +16,15 @@ _NEAR_ENOUGH: Final = 24
 _LEFT, _TOP, _RIGHT, _BOTTOM = 5, 65, 795, 615
 """The floor plan on the picture, in pixels, without its title."""
 
+_POPUP: Final = (173, 187, 255)
+"""The viewer's mark of a notification, which nothing of a robot has."""
+
+
+def has_popup(path: Path) -> bool:
+    """Whether the viewer tells about itself over the plots."""
+    with Image.open(path) as picture:
+        return bool((np.asarray(picture.convert("RGB"))[:, _RIGHT:] == _POPUP).all(axis=2).any())
+
 
 class Floor:
     """The floor plan of a picture. Coordinates are its pixels: x to the right, y up."""
