@@ -19,7 +19,8 @@ import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import INSIDE_ID_ENDS, Role, close_session, is_visit, open_session
+from giraff_node.network.scouting import is_visit
+from giraff_node.network.session import INSIDE_ID_ENDS, Role, close_session, open_session
 from giraff_node.network.sockets import PROTOCOL
 from giraff_node.network.tcp_options import set_tcp_options
 

@@ -25,7 +25,7 @@ from giraff_core.access import access_control, with_inside, with_own_host
 from giraff_core.network import NetworkConfig, addresses, door_ports, link_of, ports_of, with_port
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
-from giraff_node.network.scouting import find_doors
+from giraff_node.network.scouting import VISIT, find_doors
 from giraff_node.network.sockets import PROTOCOL, own_socket, socket_folder
 from giraff_node.network.tokens import find_tokens
 from giraff_schemas.services import PLAY, ROBOTS_OWN
@@ -62,18 +62,11 @@ one as well. So no peer may be linked in both ways: those inside meet each other
 
 INSIDE_ID_ENDS: Final = "ffffffff"
 """Zenoh compares ids from their last digits on, and of two peers the greater dials: nobody can dial who is inside."""
-_VISIT: Final = b"visit".hex()
-"""Before the last eight digits of an id: whoever is gone in a moment is not to be missed."""
 _RETRIED: Final = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
 # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
 _FIRST: Final = "#exit_on_failure=true"
 _IS_TAKEN: Final = 50
 """ms until a port counts as taken. Zenoh would wait for it for good, and at 0 it never tries the rendezvous again."""
-
-
-def is_visit(peer: str) -> bool:
-    """Return whether the id is that of a session with `visits`."""
-    return peer[:-8].endswith(_VISIT)
 
 
 class NobodyError(Exception):
@@ -108,7 +101,7 @@ def session_config(
         config["transport"]["link"]["protocols"].remove(PROTOCOL)
     if role == "inside" or visits:
         ends = INSIDE_ID_ENDS if role == "inside" else os.urandom(4).hex()
-        config["id"] = f"{os.urandom(7).hex()}{_VISIT if visits else os.urandom(5).hex()}{ends}".lstrip("0")
+        config["id"] = f"{os.urandom(7).hex()}{VISIT if visits else os.urandom(5).hex()}{ends}".lstrip("0")
     if network.local or role in {"inside", "client"}:
         config["scouting"]["multicast"]["enabled"] = False
     if network.site:

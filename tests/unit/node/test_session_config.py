@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import socket
-from typing import get_args
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple, get_args
 
 import msgspec
 import pytest
@@ -12,6 +14,8 @@ import zenoh
 
 from giraff_core.network import NetworkConfig, door_ports, with_port
 from giraff_node.config.robot_file import ConfigError
+from giraff_node.network import scouting
+from giraff_node.network.scouting import find_doors
 from giraff_node.network.session import Role, session_config, way_to
 
 ROBOT = "sim-node"
@@ -130,3 +134,18 @@ def test_zenoh_is_told_an_interface_by_its_number() -> None:
     number, name = socket.if_nameindex()[0]
     assert way_to(NetworkConfig(), f"fe80::1%{name}") == f"tcp/[fe80::1%{number}]:7447"
     assert way_to(NetworkConfig(), "[fe80::1%none]:1") == "tcp/[fe80::1%none]:1"
+
+
+class Hello(NamedTuple):
+    zid: str
+    locators: tuple[str, ...]
+
+
+def test_a_client_links_to_no_visit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A visit ends within a second, and the link of a command or a stop would end with it."""
+    visit = session_config(NetworkConfig(sockets=str(tmp_path)), ROBOT, "outside", visits=True)["id"]
+    answers = [Hello(visit, ("tcp/10.0.0.2:7449",)), Hello("c0ffee", ("tcp/10.0.0.2:20001",))]
+    scouted = SimpleNamespace(try_recv=lambda: answers.pop(0) if answers else None, stop=lambda: None)
+    monkeypatch.setattr(zenoh, "scout", lambda *_, **__: scouted)
+    monkeypatch.setattr(scouting, "_WITHIN", 0.05)
+    assert find_doors() == ["tcp/10.0.0.2:20001"]
