@@ -17,8 +17,8 @@ _SHELLS: Final = {
     "zsh": (["-f", "-i"], "source <(giraff completion zsh)"),
     "fish": (["--no-config", "-i"], "giraff completion fish | source"),
 }
-_REQUIRED: Final = {"bash"}
-"""Shells of every machine. The others are tried where they are installed."""
+_REQUIRED: Final = {"bash", "zsh"}
+"""Shells that `make setup` sees to. The other is tried where it is installed."""
 _TYPED: Final = (
     ("giraff comple", "[giraff][completion]"),
     ("giraff topic pub rang", "[giraff][topic][pub][range/*]"),
@@ -44,6 +44,7 @@ def test_the_tab_key_completes(shell: str, tmp_path: Path) -> None:
         "GIRAFF_CONFIG": os.devnull,
     }
     options, ready = _SHELLS[shell]
+    assert shutil.which(shell), f"{shell} is missing: make setup installs it"
     with screen([str(shutil.which(shell)), *options], tmp_path / "errors", environment) as shown:
         shown.type(f"cd {tmp_path}; {ready}; printf '%s-' all is set\n".encode())
         shown.wait_for("all-is-set-", 30.0)
