@@ -117,7 +117,7 @@ def near(word: str, known: Iterable[str], most: int = 1, cutoff: float = 0.6) ->
 
 def meant(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """Return a question for the known words that are near, with a blank behind it; empty: none is."""
-    import difflib  # noqa: PLC0415
+    import difflib  # noqa: PLC0415  as above
 
     found = near(word, known, 2, cutoff)
     shares = [difflib.SequenceMatcher(None, each, word).ratio() for each in found]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Annotated, Final
 
 import typer
@@ -61,8 +60,6 @@ NEGATIVE: Final = {"ignore_unknown_options": True}
 """Setting of a command that takes numbers: a negative one is no option."""
 
 _REFUSED: Final = 2
-_TREE: Final = Path(__file__).resolve().parents[2]
-"""The repository, where the code runs from one."""
 
 
 def require_extra(verb: str, library: str, extras: str) -> None:
@@ -76,7 +73,9 @@ def require_extra(verb: str, library: str, extras: str) -> None:
 
 def require_tree(verb: str) -> None:
     """End with the way out where the simulator's boards and rooms are not here: a wheel has no firmware."""
-    if not (_TREE / "firmware").is_dir():
+    from giraff_node.process.libraries import TREE  # noqa: PLC0415
+
+    if not (TREE / "firmware").is_dir():
         typer.echo(
             f"giraff {verb}: the simulated robot needs the repository's tree, which is not here; "
             "clone the repository, then make run in it",

@@ -65,7 +65,7 @@ def _unquoted(word: str) -> str:
 
 
 def _of_robot(context: Any, wanted: Any, word: str) -> list[Candidate] | None:
-    """Return what a robot has of it; None: that is no matter of a robot."""
+    """Return what a robot has of it; None: a robot does not say what it can be."""
     path = context.command_path.split()[1:]
     source = "robots" if wanted.name == "robot" else _SOURCES.get((path[0] if path else "", wanted.name))
     if source is None or not hasattr(wanted, "param_type_name"):

@@ -6,8 +6,8 @@ import time
 
 from rich.console import Console
 
+from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.progress import Progress
-from giraff_cli.terminal.text import json_page
 from giraff_sim.dst.drill import SECONDS, Outcome
 from giraff_sim.dst.many import Totals, run_many
 from giraff_sim.dst.marks import unreached
@@ -33,7 +33,7 @@ def explore(seeds: int, first: int, jobs: int, *, as_json: bool) -> int:
             progress.move(totals.seeds)
     _sum_up(console, totals, time.monotonic() - began)
     if as_json:
-        print(json_page(totals), flush=True)
+        print_json(totals)
     return _FAILED if totals.failures else 0
 
 

@@ -14,7 +14,7 @@ from typing import Final
 
 from giraff_cli.logs.entries import Merge, json_of, line_of, run_text, since_moment
 from giraff_cli.logs.sources import SOURCES, LogFile, Program, Stream, Wanted
-from giraff_cli.terminal.output import DONE, guard_stdout
+from giraff_cli.terminal.output import DONE, guard_stdout, is_drawn_on
 from giraff_cli.terminal.service_log import LEVELS, Entry
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node.config.robot_file import suggestion
@@ -67,8 +67,7 @@ class _Reading:
         self._wanted = wanted
         self._rank = LEVELS[level]
         self._as_json = as_json
-        is_terminal = sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"
-        self._colours = is_terminal and not os.environ.get("NO_COLOR")
+        self._colours = is_drawn_on(sys.stdout) and not os.environ.get("NO_COLOR")
         self._sources = [*SOURCES]
         self._streams: list[Stream] = []
         self._seen: dict[str, float] = {}

@@ -72,7 +72,7 @@ def play(
     with StopSignal() as stopping:
         reader = Reader(recording, topics, loop=loop, skip_gaps=skip_gaps)
         begin, end = recording.bounds_ns
-        # Whoever skips gaps does not know how many there are.
+        # Nobody knows how much the skipped gaps take.
         progress = Progress("playing", None if loop or skip_gaps else (end - begin) * 1e-9, shown=not as_json)
         return run_on_network(
             name,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import ipaddress
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.table import Column, Table
 from rich.text import Text
 
-from giraff_cli.terminal.output import discard_stdout
+from giraff_cli.terminal.output import discard_stdout, is_drawn_on
 from giraff_cli.terminal.text import json_line
 
 _MARK: Final = "page: "
@@ -58,7 +57,7 @@ def tell(addresses: Sequence[str]) -> None:
     Whoever reads may have gone: that ends nothing.
     """
     try:
-        if sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb":
+        if is_drawn_on(sys.stdout):
             _draw(addresses, Console(highlight=False))
         else:
             for address in of_this_host(addresses):

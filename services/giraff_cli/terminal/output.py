@@ -7,11 +7,16 @@ import errno
 import os
 import sys
 from collections.abc import Callable
-from typing import Final
+from typing import Final, TextIO
 
 DONE: Final = 0
 UNWRITABLE: Final = 1
 _READER_GONE: Final = (errno.EPIPE, errno.EIO)  # a pipe's, a terminal's
+
+
+def is_drawn_on(stream: TextIO) -> bool:
+    """Return whether a stream is a terminal that knows colours and a cursor."""
+    return stream.isatty() and os.environ.get("TERM", "dumb") != "dumb"
 
 
 def guard_stdout(act: Callable[[], int], *, unfinished: str = "") -> int:

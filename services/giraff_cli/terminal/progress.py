@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import select
 import sys
 import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Final, Self
+
+from giraff_cli.terminal.output import is_drawn_on
 
 if TYPE_CHECKING:
     import rich.progress
@@ -28,7 +29,7 @@ class Progress:
         """`total`: amount of the work. None: nobody knows. `shown`: a person should see it."""
         self._title = title
         self._total = total
-        self._is_shown = shown and sys.stderr.isatty() and os.environ.get("TERM", "dumb") != "dumb"
+        self._is_shown = shown and is_drawn_on(sys.stderr)
         self._next = time.monotonic() + _AFTER
         self._bar: rich.progress.Progress | None = None
         self._task: rich.progress.TaskID | None = None

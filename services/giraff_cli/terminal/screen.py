@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import os
 import re
 import select
 import sys
@@ -13,7 +12,7 @@ from typing import Final, Protocol
 from rich.console import RenderableType
 from rich.live import Live
 
-from giraff_cli.terminal.output import discard_stdout
+from giraff_cli.terminal.output import discard_stdout, is_drawn_on
 from giraff_schemas.text import printable, printable_lines
 from giraff_telemetry.console import CleanConsole
 
@@ -88,7 +87,7 @@ class NullScreen:
 
 def open_screen(*, page: bool = True) -> Screen:
     """What standard output is good for. `page`: of a terminal, its second one."""
-    if sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb":
+    if is_drawn_on(sys.stdout):
         return Terminal(page=page)
     return LineScreen()
 

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Final
 
 _LIBRARIES: Final = {"cv2": "opencv-python-headless", "numpy": "numpy"}
-_TREE: Final = Path(__file__).resolve().parents[3]
+TREE: Final = Path(__file__).resolve().parents[3]
+"""The repository, where the code runs from one."""
 _TARGETS: Final = ("viewer", "camera")
 """Extras that the clone's Makefile adds by their names. `make setup` adds all."""
 
 
-def remedy(extras: str, tree: Path = _TREE, prefix: Path = Path(sys.prefix)) -> str:
+def remedy(extras: str, tree: Path = TREE, prefix: Path = Path(sys.prefix)) -> str:
     """Return what to type for these extras of the distribution, like "camera,cli".
 
     `tree` is the clone, where the code runs from one. `prefix` is the virtual environment.

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from giraff_cli import options, start
+from giraff_node.process import libraries
 from giraff_node.process.libraries import remedy
 from tests.unit.cli.typed import typed
 
@@ -29,7 +30,7 @@ def test_it_is_told_in_a_line(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(options, "_TREE", tmp_path)
+    monkeypatch.setattr(libraries, "TREE", tmp_path)
     monkeypatch.setattr(options, "find_spec", lambda _name: None)
     assert typed(monkeypatch, capsys, *words) == (2, "", told)
 
