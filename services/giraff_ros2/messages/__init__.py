@@ -1,0 +1,1 @@
+"""From samples of the robot to ROS messages."""
