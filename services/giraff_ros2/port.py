@@ -46,7 +46,7 @@ class Refused(NamedTuple):
 class Call(Protocol):
     """A call of a `std_srvs/srv/Trigger`, waiting for its answer."""
 
-    def answer(self, success: bool, message: str) -> None: ...  # noqa: FBT001
+    def answer(self, success: bool, message: str) -> None: ...
 
 
 class RosPort(Selectable, Protocol):
