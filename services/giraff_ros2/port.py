@@ -79,6 +79,10 @@ class RosPort(Selectable, Protocol):
         """
         ...
 
+    def wall_ns(self) -> int:
+        """Wall clock of this host, ns since 1970: for stamps of what is said of now, never for a decision."""
+        ...
+
     def trouble(self) -> Trouble:
         """What is wrong with the way to ROS, and with what it publishes; WELL: nothing is known."""
         ...

@@ -1,0 +1,70 @@
+"""giraff_ros2: the process."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import closing
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Final
+
+from giraff_node import Node
+from giraff_node.picture_client import PictureClient
+from giraff_node.process.libraries import remedy
+from giraff_ros2.config import Ros2Config
+
+if TYPE_CHECKING:
+    from giraff_ros2.cameras import PictureSource
+    from giraff_ros2.rmw.session import RosSession
+
+_LIBRARIES: Final = ("numpy", "rosbags", "xxhash")
+_REFUSED: Final = 2
+_ROS_OWN: Final = 7447
+"""The port at which ROS processes look unless somebody says otherwise."""
+
+
+def main() -> None:
+    if why := missing_library():
+        print(f"giraff_ros2: {why}", file=sys.stderr)
+        sys.exit(_REFUSED)
+    with Node("ros2", Ros2Config) as node:
+        run_ros2(node, lambda lines: node.log.info("in ROS's shell: %s", "; ".join(lines)))
+
+
+def missing_library() -> str:
+    """Name what is to be installed before `run_ros2` can be called; empty: all is there."""
+    missing = [library for library in _LIBRARIES if find_spec(library) is None]
+    return f"the library {missing[0]} is missing; {remedy('ros2')}" if missing else ""
+
+
+def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> None:
+    """Be the robot in ROS until the node's end. SystemExit with 2, after a line in the log, where that cannot be.
+
+    `announce`: takes the lines that a shell needs whose ROS programs are to see the robot.
+    """
+    from giraff_ros2.rmw.node import RosNode  # noqa: PLC0415  its libraries may be missing
+    from giraff_ros2.rmw.session import NoRosError  # noqa: PLC0415
+    from giraff_ros2.robot_in_ros import published  # noqa: PLC0415
+    from giraff_ros2.service import Ros2  # noqa: PLC0415
+
+    def look(camera: str, by: str) -> PictureSource:
+        return PictureClient(node.network, node.robot.name, camera, by)
+
+    try:
+        ros = RosNode(node.config, published(node.robot))
+    except NoRosError as error:
+        node.log.error("%s", error)
+        sys.exit(_REFUSED)
+    with closing(ros):
+        announce(shell_lines(node.config, ros.way))
+        node.run(Ros2(node, node.config, node.robot, ros, look), prompt=True)
+
+
+def shell_lines(config: Ros2Config, way: RosSession) -> list[str]:
+    """Return what a shell must be told whose ROS programs are to meet this one."""
+    lines = ["export RMW_IMPLEMENTATION=rmw_zenoh_cpp"]
+    if config.domain:
+        lines.append(f"export ROS_DOMAIN_ID={config.domain}")
+    if way.port != _ROS_OWN:
+        lines.append(f"export ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"tcp/{way.host}:{way.port}\"]'")
+    return lines

@@ -1,0 +1,280 @@
+"""One node on a ROS network: `RosPort` over Zenoh, as rmw_zenoh_cpp does it."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from itertools import count
+from typing import Any, Final
+
+import zenoh
+import zenoh.ext
+
+from giraff_core.timer import Timer
+from giraff_node.network.session import close_session
+from giraff_node.process.selector import Waker
+from giraff_ros2.config import Ros2Config
+from giraff_ros2.port import Call, Received, Refused, RosPublisher
+from giraff_ros2.rmw.definitions import Definitions, TornError
+from giraff_ros2.rmw.names import (
+    Attachment,
+    Entity,
+    attachment_of,
+    dds_type,
+    entity_of,
+    gid_of,
+    key_of,
+    qos_text,
+    token_space,
+)
+from giraff_ros2.rmw.session import RosSession, open_ros
+from giraff_ros2.topics import ESTOP, NODE, SUBSCRIBED, RosTopic
+from giraff_schemas.text import printable
+from giraff_schemas.trouble import WELL, Trouble
+
+_HEARTBEAT: Final = 0.5  # s; of a latched topic, as rmw_zenoh has it
+_MOST_WAITING: Final = 256  # messages between two turns
+_MOST_CALLS: Final = 16  # that wait for an answer; a further one is refused at once
+_MOST_BYTES: Final = 4096  # of a message; what is subscribed to has some hundred
+_MOST_ENTITIES: Final = 2000  # of the graph; on an open network anybody may declare one
+_MOST_ASKED: Final = 32  # processes
+_ASKS_HZ: Final = 5.0
+_ANSWERS_WITHIN: Final = 1.0  # s
+_TOLD_FOR: Final = 10.0  # s
+
+
+class _Call:
+    """A call of the service, waiting for its answer."""
+
+    def __init__(self, query: zenoh.Query, asked: Attachment, encode: Callable[..., bytes]) -> None:
+        self._query, self._asked, self._encode = query, asked, encode
+
+    def answer(self, success: bool, message: str) -> None:
+        reply = self._asked._replace(sent_ns=time.time_ns())
+        with self._query as query:
+            query.reply(query.key_expr, self._encode(success=success, message=message), attachment=reply.encode())
+
+
+class RosNode:
+    """The robot's node. Whatever is called from Zenoh's threads only keeps what has come, and wakes the loop."""
+
+    def __init__(self, config: Ros2Config, published: Iterable[RosTopic]) -> None:
+        """Open the session and declare all. `published`: topics without a `*`. Raises NoRosError."""
+        self._config = config
+        self._definitions = Definitions(config.distribution)
+        self._ros: RosSession = open_ros(config.router)
+        self._session = self._ros.session
+        self._zid = str(self._session.zid())
+        self._ids = count()
+        self._namespace = f"/{config.namespace}"
+        self._lock = threading.Lock()
+        self._waker = Waker()
+        self._heard: deque[Received | Refused] = deque(maxlen=_MOST_WAITING)
+        self._calls: deque[Call] = deque()
+        self._graph: dict[str, Entity] = {}
+        self._answered: dict[str, float] = {}
+        self._asks = Timer(_ASKS_HZ)
+        self._foreign: tuple[Trouble, float] = WELL, -math.inf
+        self._declared: list[Any] = []
+        self._declare("NN")
+        self._topics = {self._name_of(topic): topic for topic in SUBSCRIBED}
+        self._own = {topic: self._publisher(topic) for topic in published}
+        for topic in SUBSCRIBED:
+            self._subscribe(topic)
+        self._serve(ESTOP)
+        self._declared.append(
+            self._session.liveliness().declare_subscriber(token_space(config.domain), self._on_token, history=True)
+        )
+
+    @property
+    def way(self) -> RosSession:
+        """How ROS processes are met."""
+        return self._ros
+
+    def descriptor(self) -> int | None:
+        return self._waker.descriptor()
+
+    def publish(self, topic: RosTopic, message: Any) -> None:
+        self._own[topic](self._definitions.encode(message, topic.type))
+
+    def take(self) -> Iterable[Received | Refused]:
+        self._waker.drain()
+        for _ in range(len(self._heard)):  # what comes meanwhile waits: a flood must not hold the turn
+            yield self._heard.popleft()
+
+    def calls(self) -> Iterable[Call]:
+        for _ in range(len(self._calls)):
+            yield self._calls.popleft()
+
+    def publishers(self) -> Iterable[RosPublisher]:
+        found = []
+        for token, entity in self._entities():
+            topic = self._topic_of(entity)
+            if entity.kind == "MP" and topic is not None:
+                found.append(RosPublisher(gid_of(token), entity.full_node, entity.session, topic))
+        self._ask(dict.fromkeys(publisher.process for publisher in found))
+        return found
+
+    def is_wanted(self, topic: RosTopic) -> bool:
+        name = self._name_of(topic)
+        return any(entity.kind == "MS" and entity.name == name for _, entity in self._entities())
+
+    def answered(self, process: str) -> float:
+        return self._answered.get(process, -math.inf)
+
+    def wall_ns(self) -> int:
+        return time.time_ns()
+
+    def trouble(self) -> Trouble:
+        if not self._ros.is_reached:
+            return Trouble(
+                f"no Zenoh router is heard at {self._config.router}", "start `ros2 run rmw_zenoh_cpp rmw_zenohd` there"
+            )
+        trouble, at = self._foreign
+        return trouble if time.monotonic() - at < _TOLD_FOR else WELL
+
+    def close(self) -> None:
+        """Leave the ROS network."""
+        close_session(self._session)
+        self._waker.close()
+
+    def _name_of(self, topic: RosTopic) -> str:
+        namespace = self._namespace.rstrip("/")
+        below, private, name = topic.name.rpartition("~/")
+        return f"{namespace}/{NODE}/{name}" if private else f"{namespace}/{below}{name}"
+
+    def _declare(self, kind: str, topic: RosTopic | None = None) -> bytes:
+        """Tell of an entity by a token; its gid."""
+        entity = Entity(self._zid, 0, next(self._ids), kind, self._namespace, NODE)
+        if topic is not None:
+            entity = entity._replace(
+                name=self._name_of(topic),
+                type=dds_type(topic.type),
+                type_hash=self._definitions.hash_of(topic.type),
+                qos=qos_text(topic.qos),
+            )
+        token = entity.token(self._config.domain)
+        self._declared.append(self._session.liveliness().declare_token(token))
+        return gid_of(token)
+
+    def _key_of(self, topic: RosTopic) -> str:
+        type_hash = self._definitions.hash_of(topic.type)
+        return key_of(self._config.domain, self._name_of(topic), topic.type, type_hash)
+
+    def _publisher(self, topic: RosTopic) -> Callable[[bytes], None]:
+        reliability = zenoh.Reliability.RELIABLE if topic.qos.is_reliable else zenoh.Reliability.BEST_EFFORT
+        publisher = (
+            zenoh.ext.declare_advanced_publisher(
+                self._session,
+                self._key_of(topic),
+                congestion_control=zenoh.CongestionControl.DROP,
+                reliability=reliability,
+                cache=zenoh.ext.CacheConfig(topic.qos.depth),
+                publisher_detection=True,
+                sample_miss_detection=zenoh.ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT),
+            )
+            if topic.qos.is_latched
+            else self._session.declare_publisher(
+                self._key_of(topic), congestion_control=zenoh.CongestionControl.DROP, reliability=reliability
+            )
+        )
+        gid, sequence = self._declare("MP", topic), count(1)
+
+        def put(payload: bytes) -> None:
+            publisher.put(payload, attachment=Attachment(next(sequence), time.time_ns(), gid).encode())
+
+        return put
+
+    def _subscribe(self, topic: RosTopic) -> None:
+        name = self._name_of(topic)
+
+        def on_sample(sample: zenoh.Sample) -> None:
+            at = time.monotonic()
+            try:
+                attachment = self._attachment_of(sample)
+                message = self._definitions.decode(bytes(sample.payload), topic.type)
+                heard: Received | Refused = Received(topic, message, attachment.gid, attachment.sent_ns, at)
+            except TornError as error:
+                heard = Refused(topic, Trouble(f"a message on {name} was refused: {error}", "check who publishes it"))
+            self._heard.append(heard)
+            self._waker.wake()
+
+        self._declared.append(self._session.declare_subscriber(self._key_of(topic), on_sample))
+        self._declare("MS", topic)
+
+    def _attachment_of(self, sample: zenoh.Sample) -> Attachment:
+        """Return what a sample carries beside its payload. Raises TornError."""
+        if len(sample.payload) > _MOST_BYTES:
+            raise TornError(f"its payload has {len(sample.payload)} bytes, and {_MOST_BYTES} are taken")
+        attachment = attachment_of(bytes(sample.attachment or b""))
+        if attachment is None:
+            raise TornError("it has no attachment of rmw_zenoh")
+        return attachment
+
+    def _serve(self, service: RosTopic) -> None:
+        def on_query(query: zenoh.Query) -> None:
+            asked = attachment_of(bytes(query.attachment or b""))
+            if asked is None:
+                with query:
+                    query.reply_err(f"a call of {self._name_of(service)} without an attachment of rmw_zenoh")
+                return
+            call = _Call(query, asked, self._definitions.trigger_response)
+            if len(self._calls) >= _MOST_CALLS:
+                call.answer(False, "too many calls wait for an answer")
+                return
+            self._calls.append(call)
+            self._waker.wake()
+
+        self._declared.append(self._session.declare_queryable(self._key_of(service), on_query, complete=True))
+        self._declare("SS", service)
+
+    def _on_token(self, sample: zenoh.Sample) -> None:
+        token = str(sample.key_expr)
+        entity = entity_of(token)
+        if entity is None or entity.session == self._zid:
+            return
+        with self._lock:
+            if sample.kind == zenoh.SampleKind.DELETE:
+                self._graph.pop(token, None)
+            elif len(self._graph) < _MOST_ENTITIES:
+                self._graph[token] = entity
+                self._look_at_type(entity)
+        self._waker.wake()
+
+    def _look_at_type(self, entity: Entity) -> None:
+        """Tell of a publisher on a topic of `SUBSCRIBED` that is not heard, because its type is another."""
+        if entity.kind != "MP" or entity.name not in self._topics or self._topic_of(entity) is not None:
+            return
+        what = f"{entity.full_node} publishes {entity.name} as {entity.type} of another form, which is not heard"
+        remedy = "check its type, and that `distribution` of [ros2] is its ROS 2"
+        self._foreign = Trouble(printable(what), remedy), time.monotonic()
+
+    def _topic_of(self, entity: Entity) -> RosTopic | None:
+        """Return which row of `SUBSCRIBED` an entity speaks on, with the very type."""
+        for topic in SUBSCRIBED:
+            expected = self._name_of(topic), dds_type(topic.type), self._definitions.hash_of(topic.type)
+            if (entity.name, entity.type, entity.type_hash) == expected:
+                return topic
+        return None
+
+    def _entities(self) -> list[tuple[str, Entity]]:
+        with self._lock:
+            return list(self._graph.items())
+
+    def _ask(self, processes: Iterable[str]) -> None:
+        """Ask each process for its state in Zenoh's admin space. One that is frozen does not answer."""
+        now = time.monotonic()
+        if not self._asks.due(now):
+            return
+        asked = list(processes)[:_MOST_ASKED]
+        self._answered = {process: at for process, at in self._answered.items() if process in asked}
+        for process in asked:
+
+            def on_reply(reply: zenoh.Reply, process: str = process, at: float = now) -> None:
+                if reply.ok is not None and str(reply.ok.key_expr).startswith(f"@/{process}/"):
+                    self._answered[process] = max(at, self.answered(process))
+
+            self._session.get(f"@/{process}/*", on_reply, timeout=_ANSWERS_WITHIN)

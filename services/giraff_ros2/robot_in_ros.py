@@ -1,0 +1,89 @@
+"""Says to ROS what the robot says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from giraff_core.inbox import Inbox
+from giraff_core.io import IO
+from giraff_core.latest import LatestSamples
+from giraff_core.robot import RobotConfig
+from giraff_core.timer import Timer
+from giraff_ros2 import topics as ros
+from giraff_ros2.cameras import Cameras, OpenSource
+from giraff_ros2.messages import pose, sensors
+from giraff_ros2.messages.diagnostics import diagnostics
+from giraff_ros2.messages.occupancy import occupancy
+from giraff_ros2.messages.text import text
+from giraff_ros2.messages.urdf import urdf
+from giraff_ros2.port import RosPort
+from giraff_ros2.topics import RosTopic
+from giraff_schemas import topics
+from giraff_schemas.localization import MapPose, MapWalls
+from giraff_schemas.messages import Battery, Odometry, Range, Sample, Tilt
+
+_DIAGNOSTICS_HZ: Final = 1.0
+_KEPT: Final = 20  # samples of a topic between two turns, of which none is left out
+
+
+def published(robot: RobotConfig) -> tuple[RosTopic, ...]:
+    """Return what this robot's node publishes, without a `*`."""
+    names = {ros.RANGE: robot.sensors, ros.CAMERA: robot.cameras}
+    return tuple(
+        row for topic in ros.PUBLISHED for row in (map(topic.at, names[topic]) if topic in names else (topic,))
+    )
+
+
+class RobotInRos:
+    """Reads the robot, and writes the topics of `PUBLISHED` but the emergency stop's."""
+
+    def __init__(self, io: IO, robot: RobotConfig, port: RosPort, open_source: OpenSource | None) -> None:
+        """`open_source`: looks at a camera of the robot; None: nobody of ROS does."""
+        self._robot, self._ros = robot, port
+        self._newest = LatestSamples()
+        # Odometry comes a hundred times a second, and rviz shows it as it comes; the rest waits for a turn.
+        heard = (*(topics.BASE, topics.GUARD, topics.ESTOP, topics.BATTERY, topics.RANGE, topics.TILT),)
+        self._inboxes: list[Inbox[Any]] = [io.inbox(topics.ODOM, _KEPT)]
+        self._inboxes += [io.inbox(topic, _KEPT, wakes=False) for topic in (*heard, topics.POSE, topics.MAP)]
+        self._timer = Timer(_DIAGNOSTICS_HZ)
+        self._cameras = Cameras(robot, port, open_source, f"ros2@{io.hostname}")
+        self._walls: object = None
+        port.publish(ros.ROBOT_DESCRIPTION, text(urdf(robot)))
+        port.publish(ros.TF_STATIC, pose.static_transforms(robot, port.wall_ns()))
+
+    def turn(self, now: float) -> None:
+        """Say what has come. `now`: s, monotonic."""
+        for sample in (sample for inbox in self._inboxes for sample in inbox.take()):
+            self._newest.take(sample, now)
+            self._say(sample)
+        if self._timer.due(now):
+            told = diagnostics(self._ros.wall_ns(), self._robot.name, self._newest, round(now * 1e9))
+            self._ros.publish(ros.DIAGNOSTICS, told)
+        self._cameras.turn(now)
+
+    def close(self) -> None:
+        """Look at no camera any more."""
+        self._cameras.close()
+
+    def _say(self, sample: Sample) -> None:
+        match sample:
+            case Odometry():
+                self._put(ros.ODOM, pose.odometry, sample)
+                self._put(ros.TF, pose.odom_transform, sample)
+            case Range() if sample.sensor in self._robot.sensors:
+                self._ros.publish(ros.RANGE.at(sample.sensor), sensors.range_reading(sample, self._robot))
+            case Tilt():
+                self._put(ros.HAND_IMU, sensors.imu, sample)
+            case Battery():
+                self._put(ros.BATTERY, sensors.battery, sample)
+            case MapPose():
+                self._put(ros.TF, pose.map_transform, sample)
+                self._put(ros.POSE, pose.amcl_pose, sample)
+            case MapWalls() if (sample.map, sample.walls) != self._walls:
+                self._walls = sample.map, sample.walls  # said every five seconds, and computed once
+                self._ros.publish(ros.MAP, occupancy(sample, sample.stamp_ns))
+
+    def _put(self, topic: RosTopic, make: Callable[[Any], Any], sample: Sample) -> None:
+        if (message := make(sample)) is not None:
+            self._ros.publish(topic, message)
