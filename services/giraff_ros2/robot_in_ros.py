@@ -29,9 +29,11 @@ _KEPT: Final = 20  # samples of a topic between two turns, of which none is left
 
 def published(robot: RobotConfig) -> tuple[RosTopic, ...]:
     """Return what this robot's node publishes, without a `*`."""
-    names = {ros.RANGE: robot.sensors, ros.CAMERA: robot.cameras}
+    names = {ros.RANGE: [*robot.sensors], ros.CAMERA: [*robot.cameras]}
     return tuple(
-        row for topic in ros.PUBLISHED for row in (map(topic.at, names[topic]) if topic in names else (topic,))
+        row
+        for topic in ros.PUBLISHED
+        for row in ([topic.at(name) for name in names[topic]] if topic in names else [topic])
     )
 
 
@@ -43,7 +45,7 @@ class RobotInRos:
         self._robot, self._ros = robot, port
         self._newest = LatestSamples()
         # Odometry comes a hundred times a second, and rviz shows it as it comes; the rest waits for a turn.
-        heard = (*(topics.BASE, topics.GUARD, topics.ESTOP, topics.BATTERY, topics.RANGE, topics.TILT),)
+        heard = (topics.BASE, topics.GUARD, topics.ESTOP, topics.BATTERY, topics.RANGE, topics.TILT, topics.LEASE)
         self._inboxes: list[Inbox[Any]] = [io.inbox(topics.ODOM, _KEPT)]
         self._inboxes += [io.inbox(topic, _KEPT, wakes=False) for topic in (*heard, topics.POSE, topics.MAP)]
         self._timer = Timer(_DIAGNOSTICS_HZ)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -19,12 +18,12 @@ from giraff_node.process.selector import Waker
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.port import Call, Received, Refused, RosPublisher
 from giraff_ros2.rmw.definitions import Definitions, TornError
+from giraff_ros2.rmw.graph import Graph
 from giraff_ros2.rmw.names import (
     Attachment,
     Entity,
     attachment_of,
     dds_type,
-    entity_of,
     gid_of,
     key_of,
     qos_text,
@@ -32,18 +31,15 @@ from giraff_ros2.rmw.names import (
 )
 from giraff_ros2.rmw.session import RosSession, open_ros
 from giraff_ros2.topics import ESTOP, NODE, SUBSCRIBED, RosTopic
-from giraff_schemas.text import printable
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import Trouble
 
 _HEARTBEAT: Final = 0.5  # s; of a latched topic, as rmw_zenoh has it
 _MOST_WAITING: Final = 256  # messages between two turns
 _MOST_CALLS: Final = 16  # that wait for an answer; a further one is refused at once
 _MOST_BYTES: Final = 4096  # of a message; what is subscribed to has some hundred
-_MOST_ENTITIES: Final = 2000  # of the graph; on an open network anybody may declare one
 _MOST_ASKED: Final = 32  # processes
 _ASKS_HZ: Final = 5.0
 _ANSWERS_WITHIN: Final = 1.0  # s
-_TOLD_FOR: Final = 10.0  # s
 
 
 class _Call:
@@ -70,17 +66,15 @@ class RosNode:
         self._zid = str(self._session.zid())
         self._ids = count()
         self._namespace = f"/{config.namespace}"
-        self._lock = threading.Lock()
         self._waker = Waker()
         self._heard: deque[Received | Refused] = deque(maxlen=_MOST_WAITING)
         self._calls: deque[Call] = deque()
-        self._graph: dict[str, Entity] = {}
         self._answered: dict[str, float] = {}
         self._asks = Timer(_ASKS_HZ)
-        self._foreign: tuple[Trouble, float] = WELL, -math.inf
         self._declared: list[Any] = []
         self._declare("NN")
-        self._topics = {self._name_of(topic): topic for topic in SUBSCRIBED}
+        rows = {topic: (self._name_of(topic), self._definitions.hash_of(topic.type)) for topic in SUBSCRIBED}
+        self._graph = Graph(self._zid, rows)
         self._own = {topic: self._publisher(topic) for topic in published}
         for topic in SUBSCRIBED:
             self._subscribe(topic)
@@ -110,17 +104,11 @@ class RosNode:
             yield self._calls.popleft()
 
     def publishers(self) -> Iterable[RosPublisher]:
-        found = []
-        for token, entity in self._entities():
-            topic = self._topic_of(entity)
-            if entity.kind == "MP" and topic is not None:
-                found.append(RosPublisher(gid_of(token), entity.full_node, entity.session, topic))
-        self._ask(dict.fromkeys(publisher.process for publisher in found))
-        return found
+        self._ask(publisher.process for publisher in self._graph.publishers)
+        return self._graph.publishers
 
     def is_wanted(self, topic: RosTopic) -> bool:
-        name = self._name_of(topic)
-        return any(entity.kind == "MS" and entity.name == name for _, entity in self._entities())
+        return self._name_of(topic) in self._graph.wanted
 
     def answered(self, process: str) -> float:
         return self._answered.get(process, -math.inf)
@@ -133,8 +121,7 @@ class RosNode:
             return Trouble(
                 f"no Zenoh router is heard at {self._config.router}", "start `ros2 run rmw_zenoh_cpp rmw_zenohd` there"
             )
-        trouble, at = self._foreign
-        return trouble if time.monotonic() - at < _TOLD_FOR else WELL
+        return self._graph.trouble
 
     def close(self) -> None:
         """Leave the ROS network."""
@@ -232,44 +219,15 @@ class RosNode:
         self._declare("SS", service)
 
     def _on_token(self, sample: zenoh.Sample) -> None:
-        token = str(sample.key_expr)
-        entity = entity_of(token)
-        if entity is None or entity.session == self._zid:
-            return
-        with self._lock:
-            if sample.kind == zenoh.SampleKind.DELETE:
-                self._graph.pop(token, None)
-            elif len(self._graph) < _MOST_ENTITIES:
-                self._graph[token] = entity
-                self._look_at_type(entity)
+        self._graph.on_token(str(sample.key_expr), is_there=sample.kind == zenoh.SampleKind.PUT)
         self._waker.wake()
-
-    def _look_at_type(self, entity: Entity) -> None:
-        """Tell of a publisher on a topic of `SUBSCRIBED` that is not heard, because its type is another."""
-        if entity.kind != "MP" or entity.name not in self._topics or self._topic_of(entity) is not None:
-            return
-        what = f"{entity.full_node} publishes {entity.name} as {entity.type} of another form, which is not heard"
-        remedy = "check its type, and that `distribution` of [ros2] is its ROS 2"
-        self._foreign = Trouble(printable(what), remedy), time.monotonic()
-
-    def _topic_of(self, entity: Entity) -> RosTopic | None:
-        """Return which row of `SUBSCRIBED` an entity speaks on, with the very type."""
-        for topic in SUBSCRIBED:
-            expected = self._name_of(topic), dds_type(topic.type), self._definitions.hash_of(topic.type)
-            if (entity.name, entity.type, entity.type_hash) == expected:
-                return topic
-        return None
-
-    def _entities(self) -> list[tuple[str, Entity]]:
-        with self._lock:
-            return list(self._graph.items())
 
     def _ask(self, processes: Iterable[str]) -> None:
         """Ask each process for its state in Zenoh's admin space. One that is frozen does not answer."""
         now = time.monotonic()
         if not self._asks.due(now):
             return
-        asked = list(processes)[:_MOST_ASKED]
+        asked = [*dict.fromkeys(processes)][:_MOST_ASKED]
         self._answered = {process: at for process, at in self._answered.items() if process in asked}
         for process in asked:
 

@@ -1,0 +1,64 @@
+"""Who publishes and subscribes on a ROS network, as far as this node cares. No I/O."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from typing import Final
+
+from giraff_ros2.port import RosPublisher
+from giraff_ros2.rmw.names import Entity, dds_type, entity_of, gid_of
+from giraff_ros2.topics import RosTopic
+from giraff_schemas.text import printable
+from giraff_schemas.trouble import WELL, Trouble
+
+_MOST: Final = 500
+"""Tokens that are remembered: on an open network anybody may declare one."""
+
+
+class Graph:
+    """Feed it each token that comes or goes, from any thread."""
+
+    def __init__(self, own: str, topics: Mapping[RosTopic, tuple[str, str]]) -> None:
+        """`own`: Zenoh id of this process. `topics`: full name and type hash of each topic that is listened to."""
+        self._own = own
+        self._topics = {(name, dds_type(topic.type), hash_): topic for topic, (name, hash_) in topics.items()}
+        self._names = {name for name, _, _ in self._topics}
+        self._lock = threading.Lock()
+        self._entities: dict[str, Entity] = {}
+        self.publishers: tuple[RosPublisher, ...] = ()
+        """Others' publishers on the topics that are listened to, with the very type."""
+        self.wanted: frozenset[str] = frozenset()
+        """Full names of the topics that others subscribe to."""
+        self.trouble = WELL
+        """Which publisher is not heard, because its type is another."""
+
+    def on_token(self, token: str, *, is_there: bool) -> None:
+        """Take that a token is there, or is gone."""
+        entity = entity_of(token)
+        if entity is None or entity.session == self._own or entity.kind not in ("MP", "MS"):
+            return
+        if entity.kind == "MP" and entity.name not in self._names:
+            return
+        with self._lock:
+            if not is_there:
+                self._entities.pop(token, None)
+            elif len(self._entities) < _MOST:
+                self._entities[token] = entity
+            self._sum_up()
+
+    def _sum_up(self) -> None:
+        publishers, self.trouble = [], WELL
+        for token, entity in self._entities.items():
+            topic = self._topics.get((entity.name, entity.type, entity.type_hash))
+            if topic is not None and entity.kind == "MP":
+                publishers.append(RosPublisher(gid_of(token), entity.full_node, entity.session, topic))
+            elif entity.kind == "MP":
+                self.trouble = _unheard(entity)
+        self.publishers = tuple(publishers)
+        self.wanted = frozenset(entity.name for entity in self._entities.values() if entity.kind == "MS")
+
+
+def _unheard(entity: Entity) -> Trouble:
+    what = f"{entity.full_node} publishes {entity.name} as {entity.type} of another type or hash, and is not heard"
+    return Trouble(printable(what), "check its type, and that `distribution` of [ros2] is that of its ROS 2")
