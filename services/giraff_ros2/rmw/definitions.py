@@ -15,8 +15,6 @@ _TRIGGER: Final = "std_srvs/srv/Trigger"
 _TRIGGER_HASH: Final = "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f"
 """As std_srvs of Jazzy and Kilted has it in its Trigger.json."""
 _TRIGGER_RESPONSE: Final = "std_srvs/msg/Trigger_Response"
-_MOST_PADDING: Final = 3
-"""Bytes that may follow a message."""
 
 
 class TornError(Exception):
@@ -44,13 +42,9 @@ class Definitions:
     def decode(self, data: bytes, type_name: str) -> Any:
         """Return the message. Raises TornError."""
         try:
-            message = self._store.deserialize_cdr(data, type_name)
-            length = len(self._store.serialize_cdr(message, type_name))
+            return self._store.deserialize_cdr(data, type_name)
         except (SerdeError, ValueError, ArithmeticError, MemoryError) as error:
             raise TornError(f"its payload of {len(data)} bytes is no {type_name}") from error
-        if not 0 <= len(data) - length <= _MOST_PADDING:
-            raise TornError(f"its payload has {len(data)} bytes where {type_name} has {length}")
-        return message
 
     def trigger_response(self, *, success: bool, message: str) -> bytes:
         """Return the CDR of an answer of std_srvs/srv/Trigger."""
