@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 _LIBRARIES: Final = ("numpy", "rosbags", "xxhash")
 _REFUSED: Final = 2
-_ROS_OWN: Final = 7447
-"""The port at which ROS processes look unless somebody says otherwise."""
+_ROS_OWN: Final = (("localhost", 7447), ("127.0.0.1", 7447))
+"""Where ROS processes look for their router unless somebody says otherwise."""
 
 
 def main() -> None:
@@ -65,6 +65,6 @@ def shell_lines(config: Ros2Config, way: RosSession) -> list[str]:
     lines = ["export RMW_IMPLEMENTATION=rmw_zenoh_cpp"]
     if config.domain:
         lines.append(f"export ROS_DOMAIN_ID={config.domain}")
-    if way.port != _ROS_OWN:
+    if (way.host, way.port) not in _ROS_OWN:
         lines.append(f"export ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"tcp/{way.host}:{way.port}\"]'")
     return lines

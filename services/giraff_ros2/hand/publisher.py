@@ -1,0 +1,80 @@
+"""What is known of one publisher of `/cmd_vel`."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_ros2.hand.clock import OLD, PublisherClock
+from giraff_ros2.port import Received
+from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import WELL, Trouble
+
+LASTS: Final = 0.4
+"""s that one message asks for, as one press of a key does."""
+ANSWERS: Final = 0.6
+"""s for which the answer of a process proves that it is awake. It is asked five times a second."""
+_STREAM: Final = 5  # messages
+_STREAM_PERIOD: Final = 0.25  # s between two of them at most
+_FIRST_ANSWER: Final = 1.0  # s until a process counts as one that cannot answer
+
+_OLD: Final = Trouble(
+    f"a message of {{node}} is more than {OLD:g} s older than those before it, or the clock of its host was set back",
+    "check the network between ROS and this host; after a clock was set, wait a minute",
+)
+_NO_NUMBER: Final = Trouble("a message of {node} has a speed that is not a number", "check what {node} publishes")
+
+
+class Publisher:
+    """Feed it its messages in their order. Times are monotonic, s."""
+
+    def __init__(self, now: float) -> None:
+        self.node = "an unknown node"
+        self.is_there = False
+        """Its token is. That proves nothing: a frozen process keeps it for a minute."""
+        self.answered = -math.inf
+        """When the newest question was asked that its process has answered."""
+        self.came = -math.inf
+        """When its newest message came that counts."""
+        self.asks = (0.0, 0.0)
+        """m/s and rad/s, of that message."""
+        self.tick: RobotTime | None = None
+        """The robot's newest when that message came."""
+        self.refused = WELL
+        """Why its newest message that was refused does not count."""
+        self.refused_at = -math.inf
+        self._clock = PublisherClock()
+        self._seen = now
+        self._in_stream = 0
+
+    def on_twist(self, received: Received, tick: RobotTime | None) -> None:
+        """Take a message. `tick`: the robot's newest now."""
+        twist = getattr(received.message, "twist", received.message)
+        asks = float(twist.linear.x) + 0.0, float(twist.angular.z) + 0.0  # + 0.0 makes a plain zero of a negative one
+        late = self._clock.lateness(received.sent_ns, received.at)
+        if not all(map(math.isfinite, asks)):
+            self._refuse(_NO_NUMBER, received.at)
+        elif late > OLD:
+            self._refuse(_OLD, received.at)
+        else:
+            self._in_stream = self._in_stream + 1 if received.at - self.came <= _STREAM_PERIOD else 1
+            self.asks, self.tick, self.came = asks, tick, received.at
+
+    def moves(self, now: float) -> bool:
+        """Whether it asks for motion now."""
+        return self.asks != (0.0, 0.0) and now - self.came <= LASTS
+
+    def proven(self, now: float) -> float:
+        """Return when it was proven for the last time that it rests, and is awake; -inf: it is not proven now."""
+        if self.asks == (0.0, 0.0) and now - self.came <= LASTS:
+            return self.came
+        if now - self.answered <= ANSWERS:
+            return self.answered
+        if math.isinf(self.answered) and now - self._seen > _FIRST_ANSWER:
+            # None of rmw_zenoh's. A stream that breaks off may be a frozen process, single messages are a person.
+            return now if self.asks == (0.0, 0.0) or self._in_stream < _STREAM else -math.inf
+        return -math.inf
+
+    def _refuse(self, why: Trouble, at: float) -> None:
+        self.refused = Trouble(why.what.format(node=self.node), why.remedy.format(node=self.node))
+        self.refused_at = at

@@ -1,0 +1,152 @@
+"""What ROS publishes on `/cmd_vel` as an operator's hand. No I/O and no clock.
+
+`teleop_twist_keyboard` sends one message for a key press and then none, so a publisher that is there and silent is a
+hand at rest, which arms the robot. A process that is frozen is there and silent, too, and drives on when it wakes. So
+rest needs a proof: a message of zero, or the answer of the process to a question of now.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Final
+
+from giraff_core.freshness import age
+from giraff_core.operator import Fault, Hand, Operator, Wish
+from giraff_core.robot import RobotConfig
+from giraff_ros2.config import Ros2Config
+from giraff_ros2.hand.publisher import ANSWERS, LASTS, Publisher
+from giraff_ros2.port import Received, Refused, RosPublisher
+from giraff_ros2.topics import CMD_VEL, CMD_VEL_STAMPED
+from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import WELL, Trouble
+
+RESTS: Final = 30.0
+"""s after its last message for which a publisher is a hand at rest, and no longer."""
+CALM: Final = 1.0
+"""s of rest after which a hand counts again that was lost. A process that wakes and drives on never has it."""
+_GONE: Final = 1.0  # s for which the end of a publisher that drove is told
+_MOST: Final = 32  # publishers that are remembered
+
+_STOPPING: Final = Trouble("/giraff/estop was called, and base has not yet confirmed the emergency stop")
+_LET_REST: Final = f"let it rest, or publish zero, for {CALM:g} s"
+
+
+class TwistHand(Hand):
+    """Feed it what comes, then let it `look`. Times are monotonic, s."""
+
+    def __init__(self, config: Ros2Config, robot: RobotConfig, instance: str) -> None:
+        del robot
+        # Nobody takes the robot by being there: the lease is asked for by a message that moves alone.
+        super().__init__(Operator(config.operator, instance, asks_from_start=False))
+        self.paused = False
+        """Another part of this service drives, and this hand says nothing."""
+        self.stopping = False
+        """An emergency stop was asked for here, and is not confirmed."""
+        self._publishers: dict[bytes, Publisher] = {}
+        self._refused, self._refused_at = WELL, -math.inf
+        self._ticks: deque[tuple[float, RobotTime | None]] = deque(maxlen=200)
+        self._lost = WELL  # why the hand does not count until it has rested
+        self._calm_since = math.inf
+
+    def on_twist(self, received: Received, now: float) -> None:
+        """Take a message of a Twist, with or without a stamp."""
+        self._of(received.gid, now).on_twist(received, self.operator.tick)
+
+    def on_refused(self, refused: Refused, now: float) -> None:
+        """Take that a sample was no message."""
+        if refused.topic in (CMD_VEL, CMD_VEL_STAMPED):
+            self._refused, self._refused_at = refused.trouble, now
+
+    def look(self, publishers: Iterable[RosPublisher], answered: Callable[[str], float], now: float) -> None:
+        """Take who is there now, and who has answered when. What has come before is judged together with it."""
+        there = {each.gid: each for each in publishers if each.topic in (CMD_VEL, CMD_VEL_STAMPED)}
+        for gid in [*there][:_MOST]:
+            self._of(gid, now).node = there[gid].node
+        for gid, publisher in self._publishers.items():
+            publisher.is_there = gid in there
+            publisher.answered = answered(there[gid].process) if gid in there else -math.inf
+        self._ticks.append((now, self.operator.tick))
+        judged = self._judge(now)
+        if isinstance(judged, Fault):
+            self._lost, self._calm_since = judged.trouble, math.inf
+        elif judged is None or judged.takes:
+            self._calm_since = math.inf
+        else:
+            self._calm_since = min(self._calm_since, now)
+            if now - self._calm_since >= CALM:
+                self._lost = WELL
+
+    def poll(self, now: float) -> Wish | Fault | None:
+        """Return what ROS asks; None: nobody of ROS has a hand on this robot."""
+        if self.stopping:
+            return Fault(_STOPPING, self.operator.tick)
+        if self.paused:
+            return None
+        judged = self._judge(now)
+        if isinstance(judged, Wish) and self._lost:
+            return Fault(Trouble(self._lost.what, self._lost.remedy or _LET_REST), judged.tick)
+        return judged
+
+    def wishes(self, now: float) -> bool:
+        """Whether somebody drives now."""
+        judged = self._judge(now)
+        return isinstance(judged, Wish) and judged.takes and not self._lost
+
+    def _judge(self, now: float) -> Wish | Fault | None:
+        """Return what is asked, whatever was before."""
+        known = self._publishers.values()
+        movers = [each for each in known if each.is_there and each.moves(now)]
+        resting = [each for each in known if each.is_there and now - each.came <= RESTS]
+        if fault := self._fault(movers, now):
+            return Fault(fault, self.operator.tick) if movers or resting or self._spoke(now) else None
+        for mover in movers:
+            newest = self.operator.tick
+            if newest is not None and age(mover.tick, newest) <= LASTS:
+                return Wish(*mover.asks, mover.tick, takes=True)
+        if not resting:
+            return None
+        proofs = {each.node: each.proven(now) for each in resting}
+        asleep = [node for node, at in proofs.items() if math.isinf(at)]
+        if asleep:
+            return Fault(_asleep(asleep[0]), self.operator.tick)
+        return Wish(0.0, 0.0, self._tick_at(min(proofs.values())))
+
+    def _fault(self, movers: list[Publisher], now: float) -> Trouble:
+        if len(movers) > 1:
+            names = " and ".join(sorted(each.node for each in movers))
+            return Trouble(f"{names} drive at once", "let one of them rest")
+        for each in self._publishers.values():
+            if not each.is_there and each.asks != (0.0, 0.0) and now - each.came <= _GONE:
+                return Trouble(f"{each.node} was driving, and is not there any more", "start it again")
+            # What was refused is no motion; the message before it goes on to age.
+            if now - each.refused_at <= LASTS and not each.moves(now):
+                return each.refused
+        if now - self._refused_at <= LASTS:
+            return self._refused
+        return self.operator.link_fault(now)
+
+    def _spoke(self, now: float) -> bool:
+        """Whether anything has come lately, of whomever."""
+        newest = max((max(each.came, each.refused_at) for each in self._publishers.values()), default=-math.inf)
+        return now - max(newest, self._refused_at) <= _GONE
+
+    def _tick_at(self, at: float) -> RobotTime | None:
+        """Return the robot's newest tick at that time: never one of later than the proof."""
+        return next((tick for seen, tick in reversed(self._ticks) if seen <= at), None)
+
+    def _of(self, gid: bytes, now: float) -> Publisher:
+        if gid not in self._publishers:
+            if len(self._publishers) >= _MOST:
+                oldest = min(self._publishers, key=lambda each: self._publishers[each].came)
+                del self._publishers[oldest]
+            self._publishers[gid] = Publisher(now)
+        return self._publishers[gid]
+
+
+def _asleep(node: str) -> Trouble:
+    return Trouble(
+        f"the process of {node} has not answered for {ANSWERS:g} s, and may be frozen",
+        f"look at it; then {_LET_REST}",
+    )
