@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import yaml
 
+from giraff_ros2 import topics as ros
 from giraff_schemas.services import ROLES, SERVICES
 from tests.rules.repository import ROOT
 
@@ -91,6 +92,13 @@ def _source(words: tuple[str, ...]) -> str:
     return "; ".join(f"there is no file {word}" for word in wanted if not (ROOT / word).is_file())
 
 
+def _ros(words: tuple[str, ...]) -> str:
+    """Each topic and service is one of the robot's."""
+    rows = (*ros.PUBLISHED, *ros.SUBSCRIBED, ros.ESTOP)
+    known = {"/" + row.name.replace("~", ros.NODE) for row in rows}
+    return _unknown([word for word in words if word.startswith("/")], known, "topic or service")
+
+
 def _nothing(_: tuple[str, ...]) -> str:
     return ""
 
@@ -107,7 +115,8 @@ OUTSIDE: Final[Mapping[str, tuple[str, Callable[[tuple[str, ...]], str]]]] = {
     "git": ("it needs the internet", _nothing),
     "scp": ("it needs another machine", _nothing),
     **dict.fromkeys(("apt-get", "adduser", "newgrp", "chown", "groupdel", "install", "mv", "rm"), (ROOTS, _nothing)),
+    "ros2": ("it needs ROS 2, which nothing here installs", _ros),
     "udevadm": ("it needs a board on a port", _nothing),
-    **dict.fromkeys(("cd", "echo", "editor", "ls", "grep", "tail", "jq"), (SHELL, _nothing)),
+    **dict.fromkeys(("cd", "echo", "editor", "export", "ls", "grep", "tail", "jq"), (SHELL, _nothing)),
 }
 """A program, why no test starts it, and what looks at its words."""
