@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from giraff_core.inbox import Inbox
-from giraff_core.io import IO
 from giraff_core.latest import LatestSamples
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
@@ -19,12 +17,10 @@ from giraff_ros2.messages.text import text
 from giraff_ros2.messages.urdf import urdf
 from giraff_ros2.port import RosPort
 from giraff_ros2.topics import RosTopic
-from giraff_schemas import topics
 from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Battery, Odometry, Range, Sample, Tilt
 
 _DIAGNOSTICS_HZ: Final = 1.0
-_KEPT: Final = 20  # samples of a topic between two turns, of which none is left out
 
 
 def published(robot: RobotConfig) -> tuple[RosTopic, ...]:
@@ -38,27 +34,25 @@ def published(robot: RobotConfig) -> tuple[RosTopic, ...]:
 
 
 class RobotInRos:
-    """Reads the robot, and writes the topics of `PUBLISHED` but the emergency stop's."""
+    """Writes the topics of `PUBLISHED` but the emergency stop's. Times are monotonic, s."""
 
-    def __init__(self, io: IO, robot: RobotConfig, port: RosPort, open_source: OpenSource | None) -> None:
-        """`open_source`: looks at a camera of the robot; None: nobody of ROS does."""
+    def __init__(self, robot: RobotConfig, port: RosPort, open_source: OpenSource | None, by: str) -> None:
+        """`open_source`: looks at a camera of the robot; None: nobody of ROS does. `by`: who looks, for people."""
         self._robot, self._ros = robot, port
         self._newest = LatestSamples()
-        # Odometry comes a hundred times a second, and rviz shows it as it comes; the rest waits for a turn.
-        heard = (topics.BASE, topics.GUARD, topics.ESTOP, topics.BATTERY, topics.RANGE, topics.TILT, topics.LEASE)
-        self._inboxes: list[Inbox[Any]] = [io.inbox(topics.ODOM, _KEPT)]
-        self._inboxes += [io.inbox(topic, _KEPT, wakes=False) for topic in (*heard, topics.POSE, topics.MAP)]
         self._timer = Timer(_DIAGNOSTICS_HZ)
-        self._cameras = Cameras(robot, port, open_source, f"ros2@{io.hostname}")
+        self._cameras = Cameras(robot, port, open_source, by)
         self._walls: object = None
         port.publish(ros.ROBOT_DESCRIPTION, text(urdf(robot)))
         port.publish(ros.TF_STATIC, pose.static_transforms(robot, port.wall_ns()))
 
+    def on_sample(self, sample: Sample, now: float) -> None:
+        """Say what the robot has said."""
+        self._newest.take(sample, now)
+        self._say(sample)
+
     def turn(self, now: float) -> None:
-        """Say what has come. `now`: s, monotonic."""
-        for sample in (sample for inbox in self._inboxes for sample in inbox.take()):
-            self._newest.take(sample, now)
-            self._say(sample)
+        """Say what nobody has said just now."""
         if self._timer.due(now):
             told = diagnostics(self._ros.wall_ns(), self._robot.name, self._newest, round(now * 1e9))
             self._ros.publish(ros.DIAGNOSTICS, told)

@@ -1,7 +1,10 @@
-"""The robot in ROS 2: what it says, to ROS; what ROS asks, to `cmd_vel/<operator>` and base's emergency stop."""
+"""The robot in ROS 2: what it says goes to ROS, and what ROS asks to guard, to base's emergency stop and to motion."""
 
 from __future__ import annotations
 
+from typing import Any, Final
+
+from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.operator import OperatorService
 from giraff_core.robot import RobotConfig
@@ -10,11 +13,16 @@ from giraff_ros2.config import Ros2Config
 from giraff_ros2.estop import StopCalls
 from giraff_ros2.goal import Goals
 from giraff_ros2.hand.twist_hand import TwistHand
+from giraff_ros2.messages.text import truth
 from giraff_ros2.port import Received, Refused, RosPort
 from giraff_ros2.robot_in_ros import RobotInRos
 from giraff_ros2.topics import ESTOP_ENGAGED, GOAL_POSE
-from giraff_schemas.topics import ESTOP
+from giraff_schemas.messages import EStop, Lease, Tick
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, MAP, MOTION, ODOM, POSE, RANGE, TILT
 from giraff_schemas.trouble import WELL
+
+_KEPT: Final = 20
+"""Samples of a topic between two turns of which none is left out."""
 
 
 class Ros2(OperatorService):
@@ -26,10 +34,13 @@ class Ros2(OperatorService):
         """`open_source`: looks at a camera of the robot; None: nobody of ROS does."""
         self._io, self._ros = io, ros
         by = f"{config.operator}@{io.hostname}"
-        self._twists = TwistHand(config, robot, io.instance)
+        self._twists = TwistHand(config, io.instance)
         self._stops, self._goals = StopCalls(io, by), Goals(io, by)
-        self._says = RobotInRos(io, robot, ros, open_source)
-        self._estops = io.inbox(ESTOP)
+        self._says = RobotInRos(robot, ros, open_source, by)
+        # Odometry comes a hundred times a second, and goes on as it comes; the rest waits for a turn.
+        self._heard: list[Inbox[Any]] = [io.inbox(ODOM, _KEPT)]
+        waiting = (BASE, GUARD, ESTOP, BATTERY, RANGE, TILT, POSE, MAP, MOTION)
+        self._heard += [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
         super().__init__(io, self._twists, wakes=False)
         self.link = ros
 
@@ -38,24 +49,32 @@ class Ros2(OperatorService):
         for each in self._ros.take():
             self._take(each, now)
         self._twists.look(self._ros.publishers(), self._ros.answered, now)
+        self.hear(now)
+        for sample in (sample for inbox in self._heard for sample in inbox.take()):
+            self._says.on_sample(sample, now)
+            self._goals.on_sample(sample, now)
+            if isinstance(sample, EStop):
+                self._stops.on_estop(sample)
         for call in self._ros.calls():
             self._stops.on_call(call, now)
-        for estop in self._estops.take():
-            self._stops.on_estop(estop, now)
         self._stops.poll(now)
         if (engaged := self._stops.news()) is not None:
-            self._ros.publish(ESTOP_ENGAGED, engaged)
-        if self._goals.is_active and self._twists.wishes(now):
-            self._goals.cancel("somebody drives by /cmd_vel", now)
-        self._goals.turn(now)
-        self._twists.paused = self._goals.is_active or self._stops.asked
-        super().turn(now)
+            self._ros.publish(ESTOP_ENGAGED, truth(engaged))
+        if self._goals.is_active and (self._stops.asked or self._twists.wishes(now)):
+            self._goals.cancel("a stop was asked for" if self._stops.asked else "/cmd_vel drives", now)
+        self._goals.turn(now, self._twists.operator.holder)
+        self._twists.paused, self._twists.stopping = self._goals.is_active, self._stops.asked
+        self.say(now)
         self._says.turn(now)
-        self._io.set_notice("ros", self._ros.trouble())
-        self._io.set_notice("goal", self._goals.trouble)
-        if not self._speaks:
-            self._io.set_notice("hand", WELL)
-            self._io.set_notice("lease", WELL)
+        self._tell()
+
+    def on_tick(self, tick: Tick, now: float) -> None:
+        super().on_tick(tick, now)
+        self._goals.on_tick(tick, now)
+
+    def on_lease(self, lease: Lease, now: float) -> None:
+        super().on_lease(lease, now)
+        self._says.on_sample(lease, now)
 
     def end(self) -> None:
         super().end()
@@ -70,3 +89,10 @@ class Ros2(OperatorService):
             case Received():
                 self._twists.on_twist(each, now)
                 self.timer.hurry("ros2", now)
+
+    def _tell(self) -> None:
+        self._io.set_notice("ros", self._ros.trouble())
+        self._io.set_notice("goal", self._goals.trouble)
+        if not self._speaks:
+            self._io.set_notice("hand", WELL)
+            self._io.set_notice("lease", WELL)

@@ -14,7 +14,6 @@ from typing import Final
 
 from giraff_core.freshness import age
 from giraff_core.operator import Fault, Hand, Operator, Wish
-from giraff_core.robot import RobotConfig
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.hand.publisher import ANSWERS, LASTS, Publisher
 from giraff_ros2.port import Received, Refused, RosPublisher
@@ -36,8 +35,7 @@ _LET_REST: Final = f"let it rest, or publish zero, for {CALM:g} s"
 class TwistHand(Hand):
     """Feed it what comes, then let it `look`. Times are monotonic, s."""
 
-    def __init__(self, config: Ros2Config, robot: RobotConfig, instance: str) -> None:
-        del robot
+    def __init__(self, config: Ros2Config, instance: str) -> None:
         # Nobody takes the robot by being there: the lease is asked for by a message that moves alone.
         super().__init__(Operator(config.operator, instance, asks_from_start=False))
         self.paused = False

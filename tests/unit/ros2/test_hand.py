@@ -18,7 +18,6 @@ from giraff_ros2.port import Received, Refused, RosPublisher
 from giraff_ros2.topics import CMD_VEL
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.trouble import Trouble
-from tests.support.robots import ROBOT
 
 STEP = 0.02  # s
 WALL = 1_800_000_000_000_000_000  # ns; the publishers' clocks, which agree with nobody's
@@ -28,7 +27,7 @@ class Desk:
     """A hand, the robot's ticks, and ROS processes, 50 steps a second."""
 
     def __init__(self) -> None:
-        self.hand = TwistHand(Ros2Config(), ROBOT, "me")
+        self.hand = TwistHand(Ros2Config(), "me")
         self.now = 0.0
         self.publishers: dict[str, RosPublisher] = {}
         self.frozen: set[str] = set()

@@ -1,0 +1,152 @@
+"""Rviz's `/goal_pose` as a motion that this service asks for and holds: if it ends, the robot stops.
+
+No way around anything is planned. The robot turns to the goal, drives straight to it, and turns as the goal has it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+from giraff_core.io import IO
+from giraff_core.motion.requester import MotionRequester
+from giraff_core.retry import RetriedRequest
+from giraff_ros2.port import Received
+from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME
+from giraff_schemas.localization import MapPose
+from giraff_schemas.messages import Odometry, Sample, Tick
+from giraff_schemas.motion import GoTo, MotionState, Step, Turn
+from giraff_schemas.services import MOTION as MOTION_SERVICE
+from giraff_schemas.text import printable
+from giraff_schemas.topics import MOTION_CANCEL, MOTION_GO, MOTION_HOLD
+from giraff_schemas.trouble import WELL, Trouble
+
+_NEAR: Final = 0.05  # m; a goal so near is a turn alone
+_ALIGNED: Final = math.radians(1.0)
+_LEVEL: Final = 0.05  # of a quaternion's x and y
+_FREE_WITHIN: Final = 3.0
+"""s within which nobody drives any more: this service's own hand lets go at once, and its lease ends after 1 s."""
+_TOLD_FOR: Final = 30.0
+"""s for which the end of a motion is told that has not arrived."""
+
+
+class Goals:
+    """One goal at a time. Times are monotonic, s."""
+
+    def __init__(self, io: IO, by: str) -> None:
+        """`by`: who asks, for people."""
+        self._io, self._by = io, by
+        self._holds = io.publisher(MOTION_HOLD)
+        self._poses: dict[str, tuple[float, float, float]] = {}
+        self._goal: tuple[str, float, float, float, float] | None = None  # frame, x, y, yaw; since when
+        self._requester: MotionRequester | None = None
+        self._steps: tuple[Step, ...] = ()
+        self._asking: RetriedRequest[Any] | None = None
+        self._cancelling: RetriedRequest[Any] | None = None
+        self._trouble, self._told_at = WELL, -math.inf
+        self._now = -math.inf
+
+    @property
+    def is_active(self) -> bool:
+        """Whether a goal is being driven to, or is about to be."""
+        return self._goal is not None or self._requester is not None
+
+    @property
+    def trouble(self) -> Trouble:
+        """Why the newest goal is not driven to; WELL: it is, or was, or there was none lately."""
+        return self._trouble if self._now - self._told_at < _TOLD_FOR else WELL
+
+    def on_goal(self, received: Received, now: float) -> None:
+        """Take a goal. It replaces the one before it."""
+        pose, frame = received.message.pose, received.message.header.frame_id
+        at, turned = pose.position, pose.orientation
+        norm = math.hypot(turned.z, turned.w)
+        if not all(map(math.isfinite, (at.x, at.y, turned.x, turned.y, norm))):
+            self._tell("a number of it is none", now)
+        elif frame not in (ODOM_FRAME, MAP_FRAME):
+            self._tell(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
+        elif max(abs(turned.x), abs(turned.y)) > _LEVEL or not 0.9 < norm < 1.1:
+            self._tell("its orientation is no turn on the floor", now)
+        else:
+            self.cancel("another goal was given", now)
+            self._trouble = WELL
+            self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w), now
+
+    def cancel(self, why: str, now: float) -> None:
+        """Let go of the goal."""
+        if self._goal is not None:
+            self._goal = None
+            self._tell(why, now)
+        if self._requester is not None and self._cancelling is None:
+            self._tell(why, now)
+            request = self._requester.cancel(now)
+            self._cancelling = self._io.ask(MOTION_CANCEL, request, lambda _: True)
+
+    def on_tick(self, tick: Tick, now: float) -> None:
+        """Take the robot's clock."""
+        if self._requester is not None:
+            self._requester.on_tick(tick, now)
+
+    def on_sample(self, sample: Sample, now: float) -> None:
+        """Take where the robot is, and how the motion goes."""
+        match sample:
+            case Odometry():
+                self._poses[ODOM_FRAME] = sample.x, sample.y, sample.yaw
+            case MapPose():
+                self._poses[MAP_FRAME] = sample.x, sample.y, sample.yaw
+            case MotionState() if self._requester is not None:
+                self._requester.on_state(sample, now)
+
+    def turn(self, now: float, driver: str) -> None:
+        """Ask, hold and end. `driver`: name of the operator that holds the lease; empty: none."""
+        self._now = now
+        if self._requester is not None:
+            self._go_on(self._requester, now)
+        elif self._goal is not None:
+            self._begin(*self._goal, now, driver)
+
+    def _begin(self, frame: str, x: float, y: float, yaw: float, since: float, now: float, driver: str) -> None:
+        if driver not in ("", MOTION_SERVICE.name):
+            if now - since > _FREE_WITHIN:
+                self.cancel(f"{driver} drives", now)
+            return
+        if frame not in self._poses:
+            self.cancel(f"nobody tells where the robot is in {frame}", now)
+            return
+        self._goal = None
+        self._steps = _steps(self._poses[frame], frame, x, y, yaw)
+        if self._steps:
+            self._requester = MotionRequester(self._io.token(), self._by, self._io.instance)
+            self._asking = self._cancelling = None
+
+    def _go_on(self, requester: MotionRequester, now: float) -> None:
+        if self._cancelling is not None:
+            self._cancelling.poll(now)
+        elif self._asking is not None:
+            if (answer := self._asking.poll(now)) is not None:
+                requester.on_answer(answer, now)
+            requester.on_fault(self._asking.fault)
+        elif (request := requester.ask(now, self._steps)) is not None:
+            self._asking = self._io.ask(MOTION_GO, request, lambda _: True)
+        if (hold := requester.hold(now)) is not None:
+            self._holds.put(hold)
+        if (result := requester.result(now)) is not None:
+            self._requester = None
+            if not (result.arrived or self._cancelling):
+                self._tell(result.reason, now)
+
+    def _tell(self, why: str, now: float) -> None:
+        self._trouble, self._told_at = Trouble(f"/goal_pose is not driven to: {why}"), now
+
+
+def _steps(pose: tuple[float, float, float], frame: str, x: float, y: float, yaw: float) -> tuple[Step, ...]:
+    """Return the way from a pose to a goal, both in `frame`; m and rad. Empty: it is there."""
+    ahead_x, ahead_y, heading = x - pose[0], y - pose[1], pose[2]
+    steps: list[Step] = []
+    if math.hypot(ahead_x, ahead_y) >= _NEAR:
+        steps.append(GoTo(x=x, y=y, frame="map" if frame == MAP_FRAME else "odom"))
+        heading = math.atan2(ahead_y, ahead_x)
+    angle = math.remainder(yaw - heading, math.tau)
+    if abs(angle) >= _ALIGNED:
+        steps.append(Turn(angle=angle))
+    return tuple(steps)
