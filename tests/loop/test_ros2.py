@@ -1,0 +1,125 @@
+"""ROS's `/cmd_vel`, stop and goals drive the robot as an operator, in simulated time: motors and pose are the judge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import pytest
+
+from tests.loop.ros import Answer, Program, RosStage, ros_stage
+
+STOPS: Final = 0.45
+"""s to PWM 0 after the last message, as `tests/timing/faults.py` has it of a lost operator."""
+
+
+def silent(_: RosStage, program: Program) -> None:
+    program.asks = None
+
+
+def gone(it: RosStage, program: Program) -> None:
+    it.desk.programs.remove(program)
+
+
+def second(it: RosStage, _: Program) -> None:
+    it.desk.programs.append(other := Program("nav"))
+    other.asks = (0.3, 0.0)
+
+
+FAULTS: Final[dict[str, Callable[[RosStage, Program], object]]] = {
+    "falls silent": silent,
+    "ends": gone,
+    "is not the only one": second,
+    "service killed": lambda it, _: it.loop.kill("ros2"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_whatever_ends_a_hand_of_ros_stops_the_robot(name: str) -> None:
+    with ros_stage() as it:
+        teleop = it.add("teleop")
+        since = it.now
+        it.press(teleop, 0.3)  # before it is armed
+        assert it.stage.driven_ms(since) == 0
+        it.drive(teleop)
+        since = it.now
+        FAULTS[name](it, teleop)
+        it.run(1.0)
+        assert it.stage.last_driven(since) <= STOPS
+        assert it.stage.driven_ms(since + STOPS) == 0
+
+
+def test_a_frozen_program_that_wakes_moves_nothing() -> None:
+    with ros_stage() as it:
+        teleop = it.add("nav")
+        it.drive(teleop)
+        teleop.is_frozen = True
+        held = [(it.now + 0.01, 0.3, 0.0), (it.now + 0.02, 0.3, 0.0)]
+        it.run(5.0)
+        assert "/nav has not answered" in it.said
+        before, since = it.at, it.now
+        teleop.held.extend(held)
+        teleop.is_frozen = False
+        it.run(3.0)
+        assert it.at == before
+        assert it.stage.driven_ms(since) == 0
+
+
+def test_neither_a_stop_nor_a_person_is_driven_past_and_both_are_named() -> None:
+    with ros_stage() as it:
+        teleop = it.add("teleop")
+        it.drive(teleop)
+        it.desk.called.append(call := Answer())
+        since = it.now
+        it.run(1.0)
+        assert call.success
+        assert "base has confirmed" in call.message
+        assert it.stage.last_driven(since) <= STOPS
+        assert it.desk.published["~/estop_engaged"].data
+        it.stage.start_stopper()
+        it.stage.reset()
+        since = it.now
+        it.run(1.0)
+        assert not it.desk.published["~/estop_engaged"].data
+        assert it.stage.driven_ms(since) == 0  # it goes on publishing, and a release causes no motion
+        teleop.asks = None
+        it.stage.start_keyboard()
+        it.stage.type(b"w", 1.0)
+        since = it.now
+        teleop.asks = (0.3, 0.0)
+        it.run(1.0)
+        assert it.driver == "keyboard"
+        assert it.stage.driven_ms(since + STOPS) == 0
+        assert "keyboard" in it.loop.processes["ros2"].told["lease"]
+
+
+def test_a_goal_of_rviz_is_driven_to_and_ends_with_what_holds_it() -> None:
+    with ros_stage() as it:
+        teleop = it.add("teleop")
+        x, y, yaw = it.at
+        it.desk.give_goal(0.4, 0.0, math.pi / 2)
+        it.run(8.0)
+        assert it.at[0] - x == pytest.approx(0.4, abs=0.05)
+        assert math.remainder(it.at[2] - yaw - math.pi / 2, math.tau) == pytest.approx(0.0, abs=0.1)
+        it.desk.give_goal(0.4, 1.0, 0.0)
+        it.run(2.5)
+        since = it.now
+        assert it.stage.driven_ms(since - 0.1) > 90
+        it.loop.kill("ros2")
+        it.run(1.0)
+        assert it.stage.driven_ms(since + STOPS) == 0
+        assert teleop.asks is None
+        assert y == 0.0
+
+
+def test_what_the_robot_says_is_published_as_often_as_it_says_it() -> None:
+    with ros_stage() as it:
+        before = dict(it.desk.counts)
+        heard = it.loop.newest["odom"].seq
+        it.run(2.0)
+        assert it.desk.counts["odom"] - before["odom"] == pytest.approx(it.loop.newest["odom"].seq - heard, abs=1)
+        odom, message = it.loop.newest["odom"], it.desk.published["odom"]
+        assert message.pose.pose.position.x == pytest.approx(odom.x, abs=1e-3)
+        assert {"tf", "tf_static", "robot_description", "diagnostics", "battery_state"} <= it.desk.published.keys()
+        assert sum(name.startswith("range/") for name in it.desk.published) == len(it.loop.settings.robot.sensors)
