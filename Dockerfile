@@ -10,8 +10,9 @@ ARG BUILD_IMAGE=${BASE_IMAGE}
 
 
 FROM ${BUILD_IMAGE} AS build
-# What for: robot, recorder, web (it can speak to browsers), localization (it has numpy), camera (it has OpenCV), laptop
-# (with the command line, too) or sim (with the simulated robot). requirements/<that>.lock pins it.
+# What for: robot, recorder, web (it can speak to browsers), localization (it has numpy), camera (it has OpenCV), ros2
+# (it can speak to ROS), laptop (with the command line, too) or sim (with the simulated robot). requirements/<that>.lock
+# pins it.
 ARG EXTRAS=robot
 RUN python -m venv /opt/giraff
 # The dependencies before the sources: a change of the sources does not install them again.
@@ -50,6 +51,7 @@ FROM run AS recorder
 FROM run AS web
 FROM run AS localization
 FROM run AS camera
+FROM run AS ros2
 FROM run AS laptop
 
 

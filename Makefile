@@ -65,11 +65,13 @@ lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
 	$(PART) --extra serial --extra web --output-file requirements/web.lock
 	$(PART) --extra serial --extra localization --output-file requirements/localization.lock
 	$(PART) --extra serial --extra camera --output-file requirements/camera.lock
-	$(PART) --extra serial --extra cli --extra web --extra localization --extra camera --output-file requirements/laptop.lock
+	$(PART) --extra serial --extra ros2 --output-file requirements/ros2.lock
+	$(PART) --extra serial --extra cli --extra web --extra localization --extra camera --extra ros2 \
+		--output-file requirements/laptop.lock
 	$(PART) --extra serial --extra cli --extra sim --extra web --extra localization --extra camera \
 		--output-file requirements/sim.lock
 	$(PART) --extra serial --extra cli --extra sim --extra web --extra localization --extra record --extra keys \
-		--output-file requirements/run.lock
+		--extra ros2 --output-file requirements/run.lock
 	$(PART) --extra viewer --output-file requirements/viewer.lock
 
 wheel: ## Build dist/giraff-*.whl, the command line for another machine: docs/install.md

@@ -83,6 +83,18 @@ CLIENT: Final = Service(
     subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.POSE, t.RANGE, t.MOTION),
 )
 """A script of somebody's own, with `giraff_client`."""
+ROS2: Final = Service(
+    name="ros2",
+    host="operator",
+    entry="main",
+    publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
+    subscribes=(
+        *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.RANGE, t.TILT),
+        *(t.POSE, t.MAP, t.MOTION),
+    ),
+    optional=True,
+)
+"""The robot in ROS 2. Every program of ROS that drives it is this operator."""
 BASE: Final = Service(
     name="base",
     host="robot",
@@ -192,8 +204,8 @@ SCRIPT: Final = "script"
 """Name under which a script asks to drive when it gives no other."""
 DEMONSTRATION: Final = "demo"
 """Name under which the joystick of `giraff run` asks to drive."""
-HANDS: Final = tuple(service.name for service in OPERATORS if service.package)
-"""Names of the operators that a person drives by: a script is not one."""
+HANDS: Final = tuple(service.name for service in OPERATORS if service.package and service is not ROS2)
+"""Names of the operators that a person drives by. A script and a program of ROS are not persons."""
 ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host == "robot" and not service.optional)
 """Names of those that every robot has."""
 WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)

@@ -10,11 +10,11 @@ import msgspec
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.differential_drive import CREEP
 from giraff_core.tuning import Tuning
-from giraff_schemas.services import DEMONSTRATION, HANDS, MOTION, SCRIPT
+from giraff_schemas.services import DEMONSTRATION, HANDS, MOTION, ROS2, SCRIPT
 
 PRIORITIES: Final = {MOTION.name: -1, DEMONSTRATION: -2}
 """Of who is not named: any person comes before a motion, and before the demonstration of `giraff run`."""
-_KNOWN: Final = dict.fromkeys(HANDS, 0) | {SCRIPT: -1} | PRIORITIES
+_KNOWN: Final = dict.fromkeys(HANDS, 0) | {SCRIPT: -1, ROS2.name: -1} | PRIORITIES
 _UNKNOWN: Final = -1
 """Priority of a name that stands in no table: below persons' hands, because it may be a program's."""
 
@@ -48,7 +48,7 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """s of silence after which another base or ranger may take the place of the one that is listened to."""
     priorities: Annotated[dict[str, int], Tuning.READ_ONLY] = msgspec.field(default_factory=PRIORITIES.copy)
     """By operator name: who may take the lease from whom. A larger one may. Where this table does not name them,
-    `joystick`, `keyboard` and `web` have 0, `motion`, `script` and any other name -1, and `demo` -2."""
+    `joystick`, `keyboard` and `web` have 0, `motion`, `script`, `ros2` and any other name -1, and `demo` -2."""
     creep_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = CREEP
     """m/s where no sensor looks."""
     creep_angular: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 5.0, "rad/s")] = 0.35

@@ -21,9 +21,10 @@ PARTS = {
     "web": ["serial", "web"],
     "localization": ["serial", "localization"],
     "camera": ["serial", "camera"],
-    "laptop": ["serial", "cli", "web", "localization", "camera"],
+    "ros2": ["serial", "ros2"],
+    "laptop": ["serial", "cli", "web", "localization", "camera", "ros2"],
     "sim": ["serial", "cli", "sim", "web", "localization", "camera"],
-    "run": ["serial", "cli", "sim", "web", "localization", "record", "keys"],
+    "run": ["serial", "cli", "sim", "web", "localization", "record", "keys", "ros2"],
     "viewer": ["viewer"],
 }
 """Lock of what a kind of host needs -> the extras that it pins."""

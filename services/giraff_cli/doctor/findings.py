@@ -24,7 +24,7 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS, IPV4_ALONE
 from giraff_node.network.reach import NO_NAME
-from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN, SERVICES
+from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, ROS2, RUN, SERVICES
 from giraff_schemas.trouble import Trouble, trouble_of
 from giraff_telemetry.describe import START_A_HAND
 
@@ -212,7 +212,7 @@ def _of_services(robot: Robot, network: Network) -> Iterator[Finding]:
                 what=f"giraff_{service} is not running, or hangs: {so}",
                 fix=f"start it on the robot's machine: {_START.format(service=service)}",
             )
-    if not any(robot.services.get(hand) for hand in HANDS):
+    if not any(robot.services.get(hand) for hand in (*HANDS, ROS2.name)):
         what = "nobody is there who could drive"
         yield Finding(severity="warning", about="operator", what=what, fix=START_A_HAND)
     doubled = [service for service in ROBOTS_OWN if robot.services.get(service, 0) > 1]

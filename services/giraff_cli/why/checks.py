@@ -12,7 +12,7 @@ from giraff_core.latest import Latest
 from giraff_core.lease import IDLE
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
-from giraff_schemas.services import HANDS
+from giraff_schemas.services import HANDS, ROS2
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 from giraff_schemas.trouble import Trouble, trouble_of
 from giraff_telemetry.describe import START_A_HAND, battery_text, posture_text, verdicts
@@ -27,6 +27,9 @@ def operator(chain: ChainState) -> Link:
         there = [name for name in HANDS if name in chain.observation.alive]
         if there:
             return chain.silent("operator", there[0])
+        if ROS2.name in chain.observation.alive:
+            text = f"no program of ROS publishes cmd_vel, where giraff_ros2 listens; start one, or {START_A_HAND}"
+            return Link(name="operator", standing="missing", text=text)
         return Link(name="operator", standing="missing", text=f"no operator is heard; {START_A_HAND}")
     command, name = heard.sample, heard.sample.operator
     commands = (each.sample for each in chain.observation.of(OPERATOR_CMD_VEL))

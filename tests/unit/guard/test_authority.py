@@ -309,7 +309,7 @@ def test_whoever_ranks_below_those_that_are_not_named_is_taken_from_and_the_reas
     assert "until it rests" in str(room.authority.reason(room.now))
 
 
-@pytest.mark.parametrize("program", ["motion", "script", "patrol", "demo"])
+@pytest.mark.parametrize("program", ["motion", "script", "ros2", "patrol", "demo"])
 @pytest.mark.parametrize("hand", HANDS)
 def test_a_program_that_no_file_names_stands_below_a_persons_hand(room: Room, program: str, hand: str) -> None:
     room.say("A", 0, name=program)
@@ -331,7 +331,7 @@ def test_a_name_that_no_table_has_takes_the_robot_from_a_demonstration_alone(roo
 
 
 def test_the_names_of_askers_that_no_table_ranks_are_kept_and_told_once_with_the_line_to_write(room: Room) -> None:
-    for name in ("joystick", "carer", "script", "gamepad", "motion", "pad.2", "gamepad"):
+    for name in ("joystick", "carer", "script", "gamepad", "motion", "ros2", "pad.2", "gamepad"):
         room.say("A", 0, name=name)
     assert room.authority.unranked == ("gamepad", "pad.2")
     assert "write `gamepad = 0` under [guard.priorities] in the robot file" in unranked_notice("gamepad").remedy
