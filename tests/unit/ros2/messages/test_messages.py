@@ -292,6 +292,11 @@ def test_grid_by_hand() -> None:
     assert occupancy(MapWalls(map="flat", walls=()), AT).info.width == 0
     hall = occupancy(MapWalls(map="flat", walls=((-150.0, -150.0, 150.0, 150.0), (0.0, 0.0, 1e300, 0.0))), AT)
     assert hall.info.width * hall.info.height <= 250_000
+    assert hall.info.resolution == 0.8  # 300 m are 375 cells then; the wall beyond all homes is left out
+    tips = [(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]
+    slanted = occupancy(MapWalls(map="flat", walls=tuple((*begin, *end) for begin, end in pairwise(tips))), AT)
+    cells = slanted.data.reshape(slanted.info.height, slanted.info.width)
+    assert (cells[22, 22], cells[22, 5], cells[2, 2]) == (0, 0, -1)  # its middle, just inside a tip, a corner
 
 
 def test_description_has_the_frames_of_the_transforms() -> None:
