@@ -42,6 +42,16 @@ _ASKS_HZ: Final = 5.0
 _ANSWERS_WITHIN: Final = 1.0  # s
 
 
+def sample_attachment(sample: zenoh.Sample) -> Attachment:
+    """Return what a sample carries beside its payload. Raises TornError."""
+    if len(sample.payload) > _MOST_BYTES:
+        raise TornError(f"its payload has {len(sample.payload)} bytes, and {_MOST_BYTES} are taken")
+    attachment = attachment_of(bytes(sample.attachment or b""))
+    if attachment is None:
+        raise TornError("it has no attachment of rmw_zenoh")
+    return attachment
+
+
 class _Call:
     """A call of the service, waiting for its answer."""
 
@@ -181,7 +191,7 @@ class RosNode:
         def on_sample(sample: zenoh.Sample) -> None:
             at = time.monotonic()
             try:
-                attachment = self._attachment_of(sample)
+                attachment = sample_attachment(sample)
                 message = self._definitions.decode(bytes(sample.payload), topic.type)
                 heard: Received | Refused = Received(topic, message, attachment.gid, attachment.sent_ns, at)
             except TornError as error:
@@ -191,15 +201,6 @@ class RosNode:
 
         self._declared.append(self._session.declare_subscriber(self._key_of(topic), on_sample))
         self._declare("MS", topic)
-
-    def _attachment_of(self, sample: zenoh.Sample) -> Attachment:
-        """Return what a sample carries beside its payload. Raises TornError."""
-        if len(sample.payload) > _MOST_BYTES:
-            raise TornError(f"its payload has {len(sample.payload)} bytes, and {_MOST_BYTES} are taken")
-        attachment = attachment_of(bytes(sample.attachment or b""))
-        if attachment is None:
-            raise TornError("it has no attachment of rmw_zenoh")
-        return attachment
 
     def _serve(self, service: RosTopic) -> None:
         def on_query(query: zenoh.Query) -> None:

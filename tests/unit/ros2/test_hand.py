@@ -84,6 +84,7 @@ def test_nobody_is_no_hand_and_neither_is_who_has_said_nothing(desk: Desk) -> No
     assert set(desk.run(0.5)) == {None}
     desk.come("teleop")
     assert set(desk.run(0.5)) == {None}
+    assert not desk.hand.operator.has_asked  # for the lease
 
 
 @pytest.mark.parametrize("answers", [True, False])
@@ -129,6 +130,48 @@ def test_a_frozen_process_that_wakes_and_drives_on_never_counts(desk: Desk, answ
     assert all(isinstance(each, Fault) for each in woken)
     desk.run(1.2, lambda: desk.send("nav", 0.0), 0.05)
     assert moves(desk.run(1.0, lambda: desk.send("nav", 0.3), 0.05))
+
+
+def test_a_process_that_was_frozen_for_longer_than_a_hand_rests_does_not_count_either(desk: Desk) -> None:
+    desk.come("nav")
+    desk.run(1.0, lambda: desk.send("nav", 0.3), 0.05)
+    desk.frozen.add("nav")
+    assert desk.run(32.0)[-1] is None
+    desk.frozen.clear()
+    woken = desk.run(2.0, lambda: desk.send("nav", 0.3), 0.05)
+    assert not moves(woken)
+    assert len(faults(woken)) == 1
+
+
+@pytest.mark.parametrize("speed", [0.3, 0.0])
+def test_a_hand_that_is_awake_does_not_answer_for_one_that_is_frozen(desk: Desk, speed: float) -> None:
+    desk.come("nav")
+    desk.come("teleop")
+    desk.send("teleop", 0.1)
+    desk.run(1.0)
+    desk.run(1.0, lambda: desk.send("nav", speed), 0.05)
+    desk.frozen.add("nav")
+    still_proven = desk.run(0.46)[-1]
+    assert isinstance(still_proven, Wish)
+    assert still_proven.tick is not None
+    assert still_proven.tick.robot_ns * 1e-9 <= desk.now - 0.46  # teleop has answered since
+    assert "the process of /nav has not answered" in faults(desk.run(2.0)).pop()
+    desk.frozen.clear()
+    assert not moves(desk.run(2.0, lambda: desk.send("nav", 0.3), 0.05))
+
+
+def test_an_old_message_moves_nothing_though_its_process_is_awake(desk: Desk) -> None:
+    desk.come("nav")
+    desk.run(1.0, lambda: desk.send("nav", 0.3), 0.05)
+    assert rests(desk.run(0.6)[21:])
+    desk.send("nav", 0.3, held_for=0.5)
+    desk.send("nav", 0.3, held_for=0.25)
+    said = desk.run(0.3)
+    assert not moves(said)
+    assert "older than those before it" in faults(said).pop()
+    desk.run(1.5)
+    desk.send("nav", 0.3, held_for=0.15)
+    assert moves(desk.run(0.1))
 
 
 def test_a_short_lag_of_a_stream_slows_by_its_ticks_and_disarms_nothing(desk: Desk) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 import xxhash
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Twist as Twist
@@ -11,6 +14,7 @@ from giraff_ros2.port import RosPublisher
 from giraff_ros2.rmw.definitions import Definitions, TornError
 from giraff_ros2.rmw.graph import Graph
 from giraff_ros2.rmw.names import Attachment, Entity, attachment_of, entity_of, gid_of, key_of, qos_text
+from giraff_ros2.rmw.node import sample_attachment
 from giraff_ros2.topics import CMD_VEL, CMD_VEL_STAMPED, ESTOP, LATCHED, PUBLISHED, SENSOR, SUBSCRIBED, Qos
 
 TWIST_HASH = "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a"
@@ -78,6 +82,20 @@ def test_attachment_has_33_bytes_little_endian() -> None:
     ):
         assert attachment_of(wrong) is None
     assert gid_of("giraff") == xxhash.xxh3_128_digest(b"giraff")[::-1]  # its canonical form is big-endian
+
+
+def test_a_sample_without_an_attachment_or_of_too_many_bytes_is_refused() -> None:
+    attachment = Attachment(1, 2, bytes(range(16)))
+
+    def sample(size: int, attached: bytes | None) -> Any:
+        return SimpleNamespace(payload=bytes(size), attachment=attached)
+
+    assert sample_attachment(sample(4096, attachment.encode())) == attachment
+    for attached in (None, b"", attachment.encode()[:-1]):
+        with pytest.raises(TornError, match="no attachment"):
+            sample_attachment(sample(52, attached))
+    with pytest.raises(TornError, match="4097 bytes"):
+        sample_attachment(sample(4097, attachment.encode()))
 
 
 def test_hashes_are_those_of_ros_and_humble_has_none() -> None:
