@@ -17,7 +17,7 @@ from giraff_cli.usage import first_sentence, with_plain_help
 GROUPS: Final[Mapping[str, Mapping[str, str]]] = {
     "Drive": {
         **dict.fromkeys(("move", "turn", "arc", "go"), "motion"),
-        **{verb: verb for verb in ("run", "drive", "web", "estop")},
+        **{verb: verb for verb in ("run", "drive", "web", "ros2", "estop")},
     },
     "Watch": {verb: verb for verb in ("watch", "view", "top", "camera", "localize")},
     "Ask": {verb: verb for verb in ("why", "doctor", "logs", "topic", "node", "param", "graph", "frames", "odom")},

@@ -65,6 +65,7 @@ PLANTED = [
     ("giraff_cli.main", "giraff_gateway.main"),
     ("giraff_cli.run.plan", "giraff_web.service"),
     ("giraff_cli.run.plan", "giraff_localization.service"),
+    ("giraff_cli.run.plan", "giraff_ros2.main"),
     ("giraff_client.robot", "giraff_cli.network.connection"),
     ("giraff_cli.main", "giraff_client"),
     ("giraff_core.robot", "giraff_node.node"),
@@ -101,8 +102,8 @@ def test_each_package_has_its_layer() -> None:
 
 @pytest.mark.parametrize("service", [service for service in SERVICES if service.entry], ids=lambda each: each.name)
 def test_a_service_is_configuration_policy_and_entry(service: Service) -> None:
-    modules = {path.name for path in (ROOT / "services" / service.package).iterdir()}
-    assert {"__init__.py", *(f"{part}.py" for part in (*parts(service.package), service.entry))} <= modules
+    modules = {path.stem for path in (ROOT / "services" / service.package).iterdir()}
+    assert {"__init__", *parts(service.package), service.entry} <= modules
 
 
 LOAD = """
@@ -138,13 +139,15 @@ OF_ONE_SERVICE = {
     "giraff_web": {
         *("aiohttp", "aiohappyeyeballs", "aiosignal", "attr", "frozenlist", "multidict", "propcache", "yarl", "idna"),
         *("cryptography", "_cffi_backend"),
+        "backports",  # where rosbags has brought them, aiohttp takes them
     },
     "giraff_localization": {"numpy"},
     "giraff_camera": {"numpy", "cv2"},
     "giraff_vision": {"numpy", "cv2"},
+    "giraff_ros2": {"numpy", "rosbags", "xxhash"},
     "giraff_keyboard": {"rich"},
 }
-"""What only requirements/recorder.lock, web.lock, localization.lock, camera.lock and laptop.lock install."""
+"""What only requirements/recorder.lock, web.lock, localization.lock, camera.lock, ros2.lock and laptop.lock install."""
 
 
 def test_the_robots_side_needs_the_robots_lock_only() -> None:

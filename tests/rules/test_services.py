@@ -53,7 +53,9 @@ PROFILES = {service: role for role, services in ROLES.items() for service in ser
 def test_each_package_of_a_service_is_in_the_table() -> None:
     def is_service(package: str) -> bool:
         modules = {path.stem for path in (ROOT / "services" / package).glob("*.py")}
-        return {"config", "hand"} <= modules or ("config" in modules and len({"policy", "service", "main"} & modules) > 1)
+        return {"config", "hand"} <= modules or (
+            "config" in modules and len({"policy", "service", "main"} & modules) > 1
+        )
 
     packaged = {package for package in packages() if is_service(package)}
     assert {service.package for service in IN_PACKAGES} == packaged | {DOOR.package}  # which decides nothing
@@ -142,7 +144,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
         "web": (MagicMock(), MagicMock()),  # its pages and its log
         "localization": (Trouble("there is none"),),  # its map
         "camera": (MagicMock(), MagicMock()),  # what sees, and its log
-        "ros2": (MagicMock(),),  # a node of ROS
+        "ros2": (MagicMock(**{"wall_ns.return_value": 0}),),  # a node of ROS
     }
     given = load(service.table, config, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), **needed(service)})
     build(service, io, given, FITTED, *people.get(service.name, ()))

@@ -26,6 +26,7 @@ ASKING: dict[str, Words] = {
     "watch": ("--for", "3"),
     "drive": (),
     "web": (),
+    "ros2": (),
     "localize": (),
     "estop status": (),
     "estop reset": (),
@@ -112,7 +113,7 @@ ROBOTLESS: Mapping[str, str] = {
     "tune speed": "unit/cli/test_tune_speed.py: it goes through it with whoever stands beside the robot",
 }
 """Those that ask no robot, and where below tests/ they are tried."""
-WAITING = {"watch", "record", "view", "drive", "web"}
+WAITING = {"watch", "record", "view", "drive", "web", "ros2"}
 """They say so while they wait, and in the end."""
 
 

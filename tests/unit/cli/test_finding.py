@@ -205,6 +205,7 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
         "estop reset",
         "estop status",
         "web",
+        "ros2",
         "calibrate camera",
         "calibrate odometry",
         "calibrate ranger",

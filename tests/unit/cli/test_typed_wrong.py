@@ -133,6 +133,12 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("dst", "--seeds", "two"), "'--seeds': 'two' is no whole number"),
     (("run", "--seed", "1.5"), "'--seed': '1.5' is no whole number"),
     (("web", "--port", "x"), "'--port': 'x' is no whole number"),
+    (
+        ("ros2", "--namespace", "/r1"),
+        "ros2: namespace is '/r1': write names of ROS, like r1 or lab/r1, without a slash",
+    ),
+    (("ros2", "--domain", "233"), "'--domain': 233"),
+    (("ros2", "--distribution", "foxy"), "'foxy' is not one of 'humble', 'jazzy', 'kilted'"),
     (("run", "--world", "map.yaml"), "map.yaml: it is a grid of ROS's map_server, and this takes a room (.toml)"),
     (("run", "--boards", "arm"), "'arm' is not one of 'avr', 'host'"),
     (("map", "show", "none.toml"), "none.toml: cannot be read: No such file or directory"),

@@ -49,5 +49,5 @@ def test_h_helps_everywhere_and_the_version_is_told(
 
 def test_each_verb_stands_in_the_help(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     _, out, _ = typed(monkeypatch, capsys, "--help")
-    shown = [line.split()[0].rstrip(":") for line in out.splitlines() if re.match(r"  [a-z]+ |\S.*:$", line)]
+    shown = [line.split()[0].rstrip(":") for line in out.splitlines() if re.match(r"  [a-z0-9]+ |\S.*:$", line)]
     assert [word for word in shown if word.islower()] == [verb for verbs in GROUPS.values() for verb in verbs]

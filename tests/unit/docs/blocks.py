@@ -15,7 +15,7 @@ PAGES: Final = tuple(
 )
 _BLOCK: Final = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
 _ASSIGNMENT: Final = re.compile(r"[A-Z][A-Z_0-9]*=")
-_COMMAND: Final = re.compile(r"(\$ |giraff [a-z]+ (?!·)|make |sudo |docker|\.venv/|python )")
+_COMMAND: Final = re.compile(r"(\$ |giraff [a-z0-9]+ (?!·)|make |sudo |docker|\.venv/|python )")
 
 
 class Block(NamedTuple):
