@@ -8,6 +8,7 @@ from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.operator import OperatorService
 from giraff_core.robot import RobotConfig
+from giraff_core.timer import Timer
 from giraff_ros2.cameras import OpenSource
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.estop import StopCalls
@@ -18,7 +19,7 @@ from giraff_ros2.port import Received, Refused, RosPort
 from giraff_ros2.robot_in_ros import RobotInRos
 from giraff_ros2.topics import ESTOP_ENGAGED, GOAL_POSE
 from giraff_schemas.messages import EStop, Lease, Tick
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, MAP, MOTION, ODOM, POSE, RANGE, TILT
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, MAP, MOTION, ODOM, OPERATOR_CMD_VEL, POSE, RANGE, TILT
 from giraff_schemas.trouble import WELL
 
 _KEPT: Final = 20
@@ -37,12 +38,14 @@ class Ros2(OperatorService):
         self._twists = TwistHand(config, io.instance)
         self._stops, self._goals = StopCalls(io, by), Goals(io, by)
         self._says = RobotInRos(robot, ros, open_source, by)
-        # Odometry comes a hundred times a second, and goes on as it comes; the rest waits for a turn.
-        self._heard: list[Inbox[Any]] = [io.inbox(ODOM, _KEPT)]
+        # Odometry comes a hundred times a second, and goes on as it comes; the rest is looked at fifty times.
+        self._odometry = io.inbox(ODOM, _KEPT)
         waiting = (BASE, GUARD, ESTOP, BATTERY, RANGE, TILT, POSE, MAP, MOTION)
-        self._heard += [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
+        self._waiting: list[Inbox[Any]] = [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
         super().__init__(io, self._twists, wakes=False)
         self.link = ros
+        self._pace = Timer(OPERATOR_CMD_VEL.rate_hz)
+        self.timers = (*self.timers, self._pace)
 
     def turn(self, now: float) -> None:
         # Before the ticks: a message is of one that was heard before it.
@@ -50,11 +53,10 @@ class Ros2(OperatorService):
             self._take(each, now)
         self._twists.look(self._ros.publishers(), self._ros.answered, now)
         self.hear(now)
-        for sample in (sample for inbox in self._heard for sample in inbox.take()):
-            self._says.on_sample(sample, now)
-            self._goals.on_sample(sample, now)
-            if isinstance(sample, EStop):
-                self._stops.on_estop(sample)
+        self._hear(self._odometry, now)
+        if is_due := self._pace.due(now):
+            for inbox in self._waiting:
+                self._hear(inbox, now)
         for call in self._ros.calls():
             self._stops.on_call(call, now)
         self._stops.poll(now)
@@ -65,8 +67,9 @@ class Ros2(OperatorService):
         self._goals.turn(now, self._twists.operator.holder)
         self._twists.paused, self._twists.stopping = self._goals.is_active, self._stops.asked
         self.say(now)
-        self._says.turn(now)
-        self._tell()
+        if is_due:
+            self._says.turn(now)
+            self._tell()
 
     def on_tick(self, tick: Tick, now: float) -> None:
         super().on_tick(tick, now)
@@ -79,6 +82,13 @@ class Ros2(OperatorService):
     def end(self) -> None:
         super().end()
         self._says.close()
+
+    def _hear(self, inbox: Inbox[Any], now: float) -> None:
+        for sample in inbox.take():
+            self._says.on_sample(sample, now)
+            self._goals.on_sample(sample, now)
+            if isinstance(sample, EStop):
+                self._stops.on_estop(sample)
 
     def _take(self, each: Received | Refused, now: float) -> None:
         match each:

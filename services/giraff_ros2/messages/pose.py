@@ -110,6 +110,6 @@ def _covariance(planar: tuple[float, float, float, float, float, float]) -> NDAr
     flat ellipse by it. A large number would become a column of that height there.
     """
     full = np.zeros((6, 6))
-    xx, xy, xyaw, yy, yyaw, yawyaw = planar
-    full[np.ix_((_X, _Y, _YAW), (_X, _Y, _YAW))] = [[xx, xy, xyaw], [xy, yy, yyaw], [xyaw, yyaw, yawyaw]]
+    full[_X, _X], full[_X, _Y], full[_X, _YAW], full[_Y, _Y], full[_Y, _YAW], full[_YAW, _YAW] = planar
+    full[_Y, _X], full[_YAW, _X], full[_YAW, _Y] = planar[1], planar[2], planar[4]
     return full.ravel()

@@ -76,7 +76,7 @@ class RosNode:
         self._zid = str(self._session.zid())
         self._ids = count()
         self._namespace = f"/{config.namespace}"
-        self._waker = Waker()
+        self._waker, self._is_woken = Waker(), False
         self._heard: deque[Received | Refused] = deque(maxlen=_MOST_WAITING)
         self._calls: deque[Call] = deque()
         self._answered: dict[str, float] = {}
@@ -105,7 +105,9 @@ class RosNode:
         self._own[topic](self._definitions.encode(message, topic.type))
 
     def take(self) -> Iterable[Received | Refused]:
-        self._waker.drain()
+        if self._is_woken:  # by nothing else than what wakes it here: a system call less in most turns
+            self._is_woken = False
+            self._waker.drain()
         for _ in range(len(self._heard)):  # what comes meanwhile waits: a flood must not hold the turn
             yield self._heard.popleft()
 
@@ -197,7 +199,7 @@ class RosNode:
             except TornError as error:
                 heard = Refused(topic, Trouble(f"a message on {name} was refused: {error}", "check who publishes it"))
             self._heard.append(heard)
-            self._waker.wake()
+            self._wake()
 
         self._declared.append(self._session.declare_subscriber(self._key_of(topic), on_sample))
         self._declare("MS", topic)
@@ -214,14 +216,18 @@ class RosNode:
                 call.answer(False, "too many calls wait for an answer")
                 return
             self._calls.append(call)
-            self._waker.wake()
+            self._wake()
 
         self._declared.append(self._session.declare_queryable(self._key_of(service), on_query, complete=True))
         self._declare("SS", service)
 
+    def _wake(self) -> None:
+        self._is_woken = True
+        self._waker.wake()
+
     def _on_token(self, sample: zenoh.Sample) -> None:
         self._graph.on_token(str(sample.key_expr), is_there=sample.kind == zenoh.SampleKind.PUT)
-        self._waker.wake()
+        self._wake()
 
     def _ask(self, processes: Iterable[str]) -> None:
         """Ask each process for its state in Zenoh's admin space. One that is frozen does not answer."""
