@@ -13,7 +13,7 @@ from giraff_schemas.trouble import WELL, Trouble
 LASTS: Final = 0.4
 """s that one message asks for, as one press of a key does."""
 ANSWERS: Final = 0.6
-"""s for which the answer of a process proves that it is awake. It is asked five times a second."""
+"""s for which the answer of a process proves that it is awake. It is asked 20 times a second."""
 _STREAM: Final = 5  # messages
 _STREAM_PERIOD: Final = 0.25  # s between two of them at most
 _FIRST_ANSWER: Final = 1.0  # s until a process counts as one that cannot answer

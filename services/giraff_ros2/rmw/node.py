@@ -38,7 +38,7 @@ _MOST_WAITING: Final = 256  # messages between two turns
 _MOST_CALLS: Final = 16  # that wait for an answer; a further one is refused at once
 _MOST_BYTES: Final = 4096  # of a message; what is subscribed to has some hundred
 _MOST_ASKED: Final = 32  # processes
-_ASKS_HZ: Final = 5.0
+_ASKS_HZ: Final = 20.0  # an answer is the proof of a hand at rest: base arms by fresh ones only
 _ANSWERS_WITHIN: Final = 0.5  # s; awake processes take some ms
 
 
