@@ -78,7 +78,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     try:
         prepare.main(prepare.HERE)
     except (OSError, subprocess.CalledProcessError) as error:
-        pytest.skip(f"no real ROS 2 can be made here: {error}")
+        pytest.fail(f"no real ROS 2 can be made here: {error}")
     directory = tmp_path_factory.mktemp("ros2")
     (directory / "world.toml").write_text(SMALL_ROOM)
     port = free_port()
