@@ -12,6 +12,7 @@ import zenoh
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Twist as Twist
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Vector3 as Vector3
 
+from giraff_node.network.session import close_session
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.messages.text import text
 from giraff_ros2.port import Received, Refused
@@ -39,6 +40,20 @@ def until(seen: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
+def take(node: RosNode, heard: list[Received | Refused]) -> int:
+    """Add what has come; return how many there are."""
+    heard += node.take()
+    return len(heard)
+
+
+def answer(node: RosNode) -> int:
+    """Answer each call that has come; return how many there were."""
+    calls = [*node.calls()]
+    for call in calls:
+        call.answer(True, "stopped")
+    return len(calls)
+
+
 class Stranger:
     """A process of ROS, as its session says it."""
 
@@ -62,7 +77,7 @@ class Stranger:
         return self.session.liveliness().declare_token(entity.token(0)), gid_of(entity.token(0))
 
     def close(self) -> None:
-        self.session.close()
+        close_session(self.session)
 
 
 def key(topic: RosTopic) -> str:
@@ -118,7 +133,7 @@ def test_who_publishes_is_known_heard_and_asked(port: int, node: RosNode) -> Non
             (bytes(100_000), sent.encode()),
         ]:
             stranger.session.put(key(CMD_VEL), payload, attachment=attachment)
-        until(lambda: len(heard) == 4 or heard.extend(node.take()))
+        until(lambda: take(node, heard) == 4)
         first, *refused = heard
         assert isinstance(first, Received)
         assert (first.message.linear.x, first.gid, first.sent_ns) == (0.25, gid, sent.sent_ns)
@@ -137,7 +152,7 @@ def test_a_publisher_of_another_hash_is_named_and_not_heard(port: int, node: Ros
         _right, gid = stranger.token("MP", CMD_VEL)
         stranger.session.put(key(CMD_VEL), DRIVE, attachment=Attachment(1, 7, gid).encode())
         heard: list[Received | Refused] = []
-        until(lambda: heard or heard.extend(node.take()))
+        until(lambda: take(node, heard))
         (only,) = heard
         assert isinstance(only, Received)
         assert only.sent_ns == 7
@@ -171,7 +186,7 @@ def test_a_call_is_answered_with_its_own_number(port: int, node: RosNode) -> Non
         replies = stranger.session.get(
             key(ESTOP), payload=b"\0\1\0\0\0", attachment=asked.encode(), target=zenoh.QueryTarget.ALL_COMPLETE
         )
-        until(lambda: [call.answer(True, "stopped") for call in node.calls()])
+        until(lambda: answer(node))
         (reply,) = replies
         assert reply.ok is not None
         assert bytes(reply.ok.payload) == DEFINITIONS.trigger_response(success=True, message="stopped")
