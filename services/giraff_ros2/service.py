@@ -18,7 +18,7 @@ from giraff_ros2.messages.text import truth
 from giraff_ros2.port import Received, Refused, RosPort
 from giraff_ros2.robot_in_ros import RobotInRos
 from giraff_ros2.topics import ESTOP_ENGAGED, GOAL_POSE
-from giraff_schemas.messages import EStop, Lease, Tick
+from giraff_schemas.messages import EStop, Lease, Sample, Tick
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, MAP, MOTION, ODOM, OPERATOR_CMD_VEL, POSE, RANGE, TILT
 from giraff_schemas.trouble import WELL
 
@@ -38,10 +38,11 @@ class Ros2(OperatorService):
         self._twists = TwistHand(config, io.instance)
         self._stops, self._goals = StopCalls(io, by), Goals(io, by)
         self._says = RobotInRos(robot, ros, open_source, by)
-        # Odometry comes a hundred times a second, and goes on as it comes; the rest is looked at fifty times.
-        self._odometry = io.inbox(ODOM, _KEPT)
+        # All is looked at fifty times a second, as often as an operator speaks. Of odometry, which comes more often,
+        # the newest goes on: ROS's own drivers of wheels publish it at that rate.
         waiting = (BASE, GUARD, ESTOP, BATTERY, RANGE, TILT, POSE, MAP, MOTION)
-        self._waiting: list[Inbox[Any]] = [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
+        self._heard: list[Inbox[Any]] = [io.inbox(ODOM, 1, wakes=False)]
+        self._heard += [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
         super().__init__(io, self._twists, wakes=False)
         self.link = ros
         self._pace = Timer(OPERATOR_CMD_VEL.rate_hz)
@@ -53,10 +54,9 @@ class Ros2(OperatorService):
             self._take(each, now)
         self._twists.look(self._ros.publishers(), self._ros.answered, now)
         self.hear(now)
-        self._hear(self._odometry, now)
         if is_due := self._pace.due(now):
-            for inbox in self._waiting:
-                self._hear(inbox, now)
+            for sample in (sample for inbox in self._heard for sample in inbox.take()):
+                self._hear(sample, now)
         for call in self._ros.calls():
             self._stops.on_call(call, now)
         self._stops.poll(now)
@@ -83,12 +83,11 @@ class Ros2(OperatorService):
         super().end()
         self._says.close()
 
-    def _hear(self, inbox: Inbox[Any], now: float) -> None:
-        for sample in inbox.take():
-            self._says.on_sample(sample, now)
-            self._goals.on_sample(sample, now)
-            if isinstance(sample, EStop):
-                self._stops.on_estop(sample)
+    def _hear(self, sample: Sample, now: float) -> None:
+        self._says.on_sample(sample, now)
+        self._goals.on_sample(sample, now)
+        if isinstance(sample, EStop):
+            self._stops.on_estop(sample)
 
     def _take(self, each: Received | Refused, now: float) -> None:
         match each:

@@ -113,12 +113,13 @@ def test_a_goal_of_rviz_is_driven_to_and_ends_with_what_holds_it() -> None:
         assert y == 0.0
 
 
-def test_what_the_robot_says_is_published_as_often_as_it_says_it() -> None:
+def test_what_the_robot_says_is_published_fifty_times_a_second_at_most() -> None:
     with ros_stage() as it:
         before = dict(it.desk.counts)
         heard = it.loop.newest["odom"].seq
         it.run(2.0)
-        assert it.desk.counts["odom"] - before["odom"] == pytest.approx(it.loop.newest["odom"].seq - heard, abs=1)
+        said = it.loop.newest["odom"].seq - heard  # a hundred times a second; every second one goes on
+        assert it.desk.counts["odom"] - before["odom"] == pytest.approx(said / 2, abs=1)
         odom, message = it.loop.newest["odom"], it.desk.published["odom"]
         assert message.pose.pose.position.x == pytest.approx(odom.x, abs=1e-3)
         assert {"tf", "tf_static", "robot_description", "diagnostics", "battery_state"} <= it.desk.published.keys()

@@ -32,6 +32,8 @@ _X, _Y, _YAW = 0, 1, 5  # rows of ROS's covariance of x, y, z, roll, pitch, yaw
 _OPTICAL: Final = (-math.pi / 2, 0.0, -math.pi / 2)
 """Roll, pitch and yaw (rad) of an optical frame in its camera's: z ahead, x to the right, y down (REP-103)."""
 
+_UNKNOWN: Final = np.zeros(36)
+
 
 def optical_frame(camera: str) -> str:
     """Return the frame of a camera's pictures."""
@@ -48,7 +50,7 @@ def odometry(sample: Odometry) -> RosOdometry:
         header(sample.stamp_ns, ODOM_FRAME),
         BASE_FRAME,
         _pose(sample),
-        TwistWithCovariance(twist, np.zeros(36)),
+        TwistWithCovariance(twist, _UNKNOWN),
     )
 
 
