@@ -19,7 +19,20 @@ from giraff_ros2.port import Received, Refused, RosPort
 from giraff_ros2.robot_in_ros import RobotInRos
 from giraff_ros2.topics import ESTOP_ENGAGED, GOAL_POSE
 from giraff_schemas.messages import EStop, Lease, Sample, Tick
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, MAP, MOTION, ODOM, OPERATOR_CMD_VEL, POSE, RANGE, TILT
+from giraff_schemas.topics import (
+    BASE,
+    BATTERY,
+    ESTOP,
+    GUARD,
+    MAP,
+    MOTION,
+    ODOM,
+    OPERATOR_CMD_VEL,
+    POSE,
+    RANGE,
+    TILT,
+    Topic,
+)
 from giraff_schemas.trouble import WELL
 
 _KEPT: Final = 20
@@ -40,7 +53,7 @@ class Ros2(OperatorService):
         self._says = RobotInRos(robot, ros, open_source, by)
         # All is looked at fifty times a second, as often as an operator speaks. Of odometry, which comes more often,
         # the newest goes on: ROS's own drivers of wheels publish it at that rate.
-        waiting = (BASE, GUARD, ESTOP, BATTERY, RANGE, TILT, POSE, MAP, MOTION)
+        waiting: list[Topic[Any]] = [BASE, GUARD, ESTOP, BATTERY, RANGE, TILT, POSE, MAP, MOTION]
         self._heard: list[Inbox[Any]] = [io.inbox(ODOM, 1, wakes=False)]
         self._heard += [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
         super().__init__(io, self._twists, wakes=False)

@@ -1,0 +1,324 @@
+"""The emergency stop, goals and cameras that ROS asks for, by calling."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import pytest
+from rosbags.typesys.stores.ros2_kilted import builtin_interfaces__msg__Time as Time
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Point as Point
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Pose as Pose
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__PoseStamped as PoseStamped
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Quaternion as Quaternion
+from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Header as Header
+
+from giraff_ros2.cameras import Cameras
+from giraff_ros2.estop import StopCalls
+from giraff_ros2.goal import Goals
+from giraff_ros2.port import Received
+from giraff_ros2.topics import GOAL_POSE, RosTopic
+from giraff_schemas.camera import Picture
+from giraff_schemas.messages import EStop, Odometry, RobotTime, Tick
+from giraff_schemas.motion import NOWHERE, GoTo, MotionAnswer, MotionCancel, MotionGo, MotionState, Turn
+from giraff_schemas.requests import EStopAnswer
+from tests.support.robots import FITTED
+
+
+class Asked:
+    """A request, which is answered once a test has put an answer here."""
+
+    def __init__(self, request: msgspec.Struct, settles: Callable[[Any], bool | str]) -> None:
+        self.request, self._settles = request, settles
+        self.answers: deque[Any] = deque()
+        self.fault, self.attempts, self.refusal = "", 0, None
+
+    def poll(self, now: float) -> Any:
+        del now
+        self.attempts += 1
+        while self.answers:
+            answer = self.answers.popleft()
+            if self._settles(answer) is True:
+                return answer
+        return None
+
+
+class Robot:
+    """What the service has of its `IO`: what it asks and holds is kept."""
+
+    instance = "me"
+
+    def __init__(self) -> None:
+        self.asked: list[Asked] = []
+        self.held: list[Any] = []
+        self.put = self.held.append
+
+    def ask(self, _: object, request: msgspec.Struct, settles: Callable[[Any], bool | str]) -> Asked:
+        self.asked.append(Asked(request, settles))
+        return self.asked[-1]
+
+    def publisher(self, _: object) -> Robot:
+        return self
+
+    def token(self) -> int:
+        return len(self.asked) + 7
+
+
+class Call:
+    def __init__(self) -> None:
+        self.answers: list[tuple[bool, str]] = []
+
+    def answer(self, success: bool, message: str) -> None:
+        self.answers.append((success, message))
+
+
+def estop(*, engaged: bool, latch: int = 3) -> EStop:
+    return EStop(instance="base", engaged=engaged, id=latch, by="somebody", reason="")
+
+
+def test_all_calls_that_wait_are_one_stop_and_are_answered_when_base_has_confirmed() -> None:
+    robot, calls = Robot(), [Call(), Call()]
+    stops = StopCalls(robot, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
+    for call in calls:
+        stops.on_call(call, 0.0)
+    stops.poll(0.1)
+    assert stops.asked
+    (request,) = robot.asked
+    confirmed = EStopAnswer(done=True, engaged=True, id=3, reason="", instance="base")
+    request.answers.append(confirmed)
+    stops.poll(0.2)
+    assert not any(call.answers for call in calls)  # anybody may answer: base itself has not said so
+    stops.on_estop(estop(engaged=True))
+    request.answers.append(confirmed)
+    stops.poll(0.3)
+    answers = [answer for call in calls for answer in call.answers]
+    assert [success for success, _ in answers] == [True, True]
+    assert all("base has confirmed" in message for _, message in answers)
+
+
+def test_a_call_that_base_does_not_confirm_is_answered_and_the_stop_is_asked_for_all_the_same() -> None:
+    robot, call = Robot(), Call()
+    stops = StopCalls(robot, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
+    stops.on_call(call, 0.0)
+    stops.poll(2.9)
+    assert not call.answers
+    stops.poll(3.0)
+    ((success, message),) = call.answers
+    assert not success
+    assert "NOT CONFIRMED" in message
+    assert stops.asked
+    for _ in range(20):
+        stops.on_call(call, 4.0)
+    assert call.answers[1:] == [(False, "16 calls wait for base's word already")] * 4
+
+
+def test_a_change_of_the_stop_is_told_once_and_nothing_before_base_was_heard() -> None:
+    stops = StopCalls(Robot(), "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
+    assert stops.news() is None
+    for engaged in (False, True):
+        stops.on_estop(estop(engaged=engaged))
+        assert stops.news() is engaged
+        stops.on_estop(estop(engaged=engaged))
+        assert stops.news() is None
+
+
+class Rviz:
+    """A robot at a pose, and whoever gives it goals."""
+
+    def __init__(self, x: float = 1.0, y: float = 0.0, yaw: float = 0.0) -> None:
+        self.robot, self.now = Robot(), 0.0
+        self.goals = Goals(self.robot, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
+        time = RobotTime(epoch=1, robot_ns=1)
+        numbers: dict[str, Any] = dict.fromkeys(("linear_x", "angular_z", "path"), 0.0)
+        pose = Odometry(x=x, y=y, yaw=yaw, covariance=(0.0,) * 6, board_us=0, boot_id=1, tick=time, **numbers)
+        self.goals.on_sample(pose, 0.0)
+
+    def give(self, x: float, y: float, yaw: float = 0.0, frame: str = "odom", turned: Quaternion | None = None) -> None:
+        rotation = turned or Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+        goal = PoseStamped(Header(Time(0, 0), frame), Pose(Point(x, y, 0.0), rotation))
+        self.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, self.now), self.now)
+
+    def run(self, seconds: float = 0.1, driver: str = "") -> list[msgspec.Struct]:
+        """What was asked meanwhile."""
+        before = len(self.robot.asked)
+        for _ in range(round(seconds / 0.02)):
+            self.now += 0.02
+            self.goals.on_tick(Tick(epoch=1, robot_ns=round(self.now * 1e9)), self.now)
+            self.goals.turn(self.now, driver)
+        return [asked.request for asked in self.robot.asked[before:]]
+
+    def drive(self) -> MotionGo:
+        """Give a goal that is accepted."""
+        self.give(2.0, 0.0)
+        (request,) = self.run()
+        assert isinstance(request, MotionGo)
+        self.robot.asked[-1].answers.append(MotionAnswer(accepted=True, reason=""))
+        self.run(0.2)
+        return request
+
+    def end(self, request: MotionGo, outcome: str, reason: str = "") -> None:
+        zeros = (0.0,) * 6
+        fields: dict[str, Any] = {"asked": NOWHERE, "achieved": NOWHERE, "covariance": zeros, "outcome": outcome}
+        fields |= {"stage": "ended", "step": 1, "steps": 1, "elapsed": 1.0, "time_limit": 9.0, "sensor": ""}
+        state = MotionState(instance="motion", id=request.id, by=request.by, reason=reason, **fields)
+        self.goals.on_sample(state, self.now)
+        self.run()
+
+
+@pytest.mark.parametrize(
+    ("goal", "steps"),
+    [
+        ((1.0, 2.0, 0.0), (GoTo(x=1.0, y=2.0), Turn(angle=-math.pi / 2))),
+        ((3.0, 0.0, math.pi), (GoTo(x=3.0, y=0.0), Turn(angle=math.pi))),
+        ((2.0, 0.0, 0.0), (GoTo(x=2.0, y=0.0),)),
+        ((1.04, 0.0, -1.0), (Turn(angle=-1.0),)),
+    ],
+)
+def test_a_goal_is_driven_to_and_then_turned_as_it_says(
+    goal: tuple[float, float, float], steps: tuple[Any, ...]
+) -> None:
+    rviz = Rviz()
+    rviz.give(*goal)
+    (request,) = rviz.run()
+    assert isinstance(request, MotionGo)
+    assert len(request.steps) == len(steps)
+    for step, expected in zip(request.steps, steps, strict=True):
+        if isinstance(step, Turn):
+            assert math.remainder(step.angle - expected.angle, math.tau) == pytest.approx(0.0, abs=1e-9)
+        else:
+            assert step == expected
+    assert rviz.goals.is_active
+
+
+def test_where_it_is_already_nothing_is_asked() -> None:
+    rviz = Rviz()
+    rviz.give(1.0, 0.01)
+    assert rviz.run() == []
+    assert not rviz.goals.is_active
+
+
+@pytest.mark.parametrize(
+    ("goal", "why"),
+    [
+        ({"x": math.nan, "y": 0.0}, "a number of it is none"),
+        ({"x": 0.0, "y": math.inf}, "a number of it is none"),
+        ({"x": 0.0, "y": 0.0, "yaw": math.nan}, "a number of it is none"),
+        ({"x": 2.0, "y": 0.0, "frame": "base_link"}, "'base_link'"),
+        ({"x": 2.0, "y": 0.0, "frame": "map"}, "where the robot is in map"),
+        ({"x": 2.0, "y": 0.0, "turned": Quaternion(0.0, 0.0, 0.0, 0.0)}, "no turn on the floor"),
+        ({"x": 2.0, "y": 0.0, "turned": Quaternion(0.4, 0.0, 0.0, 0.92)}, "no turn on the floor"),
+    ],
+)
+def test_a_goal_that_cannot_be_is_refused(goal: dict[str, Any], why: str) -> None:
+    rviz = Rviz()
+    rviz.give(**goal)
+    assert rviz.run() == []
+    assert not rviz.goals.is_active
+    assert why in str(rviz.goals.trouble)
+
+
+def test_a_goal_waits_until_nobody_drives_and_no_longer_than_3_s() -> None:
+    rviz = Rviz()
+    rviz.give(2.0, 0.0)
+    assert rviz.run(1.0, driver="ros2") == []
+    assert len(rviz.run()) == 1
+    rviz = Rviz()
+    rviz.give(2.0, 0.0)
+    assert rviz.run(3.2, driver="keyboard") == []
+    assert not rviz.goals.is_active
+    assert "keyboard drives" in str(rviz.goals.trouble)
+
+
+def test_it_is_held_while_it_goes_on_and_its_end_is_told_unless_it_arrived() -> None:
+    rviz = Rviz()
+    request = rviz.drive()
+    assert rviz.robot.held
+    assert {hold.id for hold in rviz.robot.held} == {request.id}
+    rviz.end(request, "arrived")
+    assert not rviz.goals.is_active
+    assert not rviz.goals.trouble
+    request = rviz.drive()
+    rviz.end(request, "blocked", "front_left blocks the way")
+    assert "front_left blocks the way" in str(rviz.goals.trouble)
+    held = len(rviz.robot.held)
+    rviz.run(1.0)
+    assert len(rviz.robot.held) == held
+    rviz.run(31.0)
+    assert not rviz.goals.trouble
+
+
+def test_a_new_goal_takes_the_place_of_the_old_one() -> None:
+    rviz = Rviz()
+    old = rviz.drive()
+    rviz.give(5.0, 0.0)
+    (cancel,) = rviz.robot.asked[-1:]
+    assert cancel.request == MotionCancel(by="ros2@desk", id=old.id)
+    held = len(rviz.robot.held)
+    rviz.run(0.2)
+    assert len(rviz.robot.held) == held  # the old one is let go at once
+    rviz.end(old, "cancelled")
+    (request,) = [each.request for each in rviz.robot.asked if isinstance(each.request, MotionGo)][1:]
+    assert request.steps == (GoTo(x=5.0, y=0.0),)
+
+
+class Eye:
+    """Sees a camera."""
+
+    def __init__(self) -> None:
+        self.wanted, self.closed = 0, False
+
+    def want(self) -> None:
+        self.wanted += 1
+
+    def take(self) -> Picture | None:
+        tick = RobotTime(epoch=1, robot_ns=1)
+        return Picture(camera="head", jpeg=b"\xff", width=1, height=1, tick=tick, stamp_ns=1)
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class Watchers:
+    """Who of ROS subscribes."""
+
+    def __init__(self) -> None:
+        self.there = False
+        self.published: list[str] = []
+
+    def is_wanted(self, topic: RosTopic) -> bool:
+        return self.there and topic.name == "camera/head/compressed"
+
+    def publish(self, topic: RosTopic, message: Any) -> None:
+        del message
+        self.published.append(topic.name)
+
+
+def test_a_camera_is_looked_at_only_while_somebody_of_ros_subscribes() -> None:
+    watchers, eyes = Watchers(), list[tuple[str, Eye]]()
+
+    def look(camera: str, by: str) -> Eye:
+        eyes.append((f"{camera} by {by}", Eye()))
+        return eyes[-1][1]
+
+    cameras = Cameras(FITTED, watchers, look, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
+    cameras.turn(0.0)
+    assert not eyes
+    watchers.there = True
+    cameras.turn(0.1)
+    cameras.turn(0.2)
+    ((who, eye),) = eyes
+    assert (who, eye.wanted) == ("head by ros2@desk", 2)
+    assert watchers.published == ["camera/head/compressed"] * 2
+    watchers.there = False
+    cameras.turn(0.3)
+    assert eye.closed
+    watchers.there = True
+    cameras.turn(0.4)  # too soon after the last start
+    assert len(eyes) == 1
+    cameras.turn(1.2)
+    assert len(eyes) == 2
+    cameras.close()
+    assert eyes[1][1].closed
