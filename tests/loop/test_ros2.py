@@ -123,4 +123,5 @@ def test_what_the_robot_says_is_published_fifty_times_a_second_at_most() -> None
         odom, message = it.loop.newest["odom"], it.desk.published["odom"]
         assert message.pose.pose.position.x == pytest.approx(odom.x, abs=1e-3)
         assert {"tf", "tf_static", "robot_description", "diagnostics", "battery_state"} <= it.desk.published.keys()
+        assert "cmd_vel/ros2" not in it.loop.newest  # no publisher, no hand: the robot's own chain hears nothing of it
         assert sum(name.startswith("range/") for name in it.desk.published) == len(it.loop.settings.robot.sensors)
