@@ -12,15 +12,16 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 import pytest
 
 from giraff_cli.network.ports import free_port
-from giraff_schemas.messages import Odometry
-from giraff_schemas.topics import BASE, ESTOP, ODOM, TRUE_POSE
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, ODOM, RANGE, TILT, TRUE_POSE, Topic
 from tests.campaign.ros2 import prepare
 from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE
@@ -31,6 +32,13 @@ from tests.support.waiting import wait
 READ: Final = 10.0  # s
 ODOMETRY: Final = "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0"
 """Hash of nav_msgs/msg/Odometry, as real ROS has it."""
+SAID: Final[dict[str, tuple[Topic[Any], float, Callable[[Any], list[float]]]]] = {
+    "/odom": (ODOM, 2.0, lambda it: [it.x, it.y, it.linear_x]),  # it is said twice as often
+    "/range/front_left": (RANGE.at("front_left"), 1.0, lambda it: [math.inf if it.range is None else it.range]),
+    "/battery_state": (BATTERY, 1.0, lambda it: [it.voltage]),
+    "/hand/imu": (TILT, 1.0, lambda it: [it.x, it.y, it.z]),
+}
+"""Topics of ROS: which of ours each one is, how many of ours for each, and the values."""
 
 
 class Robot:
@@ -38,10 +46,15 @@ class Robot:
 
     def __init__(self, observer: Observer, node: subprocess.Popen[str]) -> None:
         self.observer, self.node = observer, node
-        self.odometry: dict[int, Odometry] = {}
+        self.said: dict[str, dict[int, list[float]]] = {name: {} for name in SAID}
+        """By topic and stamp."""
         for topic in (BASE, ESTOP, TRUE_POSE):
             observer.follow(topic)
-        observer.listen(ODOM, lambda sample: self.odometry.__setitem__(sample.stamp_ns, sample))
+        for name, (own, _, values) in SAID.items():
+            observer.listen(own, partial(self._keep, name, values))
+
+    def _keep(self, name: str, values: Callable[[Any], list[float]], sample: Sample) -> None:
+        self.said[name][sample.stamp_ns] = values(sample)
 
     def ros(self, words: str) -> Any:
         """Tell the node something, and return what it says."""
@@ -82,7 +95,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     directory = tmp_path_factory.mktemp("ros2")
     (directory / "world.toml").write_text(SMALL_ROOM)
     port = free_port()
-    options = ("--hand", "none", "--boards", "host", "--world", "world.toml")
+    options = ("--hand", "none", "--boards", "host", "--world", "world.toml", "--localize", "--camera")
     reach = {"ZENOH_CONFIG_OVERRIDE": f'connect/endpoints=["tcp/127.0.0.1:{port}"]'}
     words = [str(prepare.HERE / "venv" / "bin" / "python"), str(Path(__file__).parent / "ros2" / "node.py")]
     pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
@@ -121,15 +134,14 @@ def test_what_is_read_is_what_the_robot_said(robot: Robot) -> None:
     assert all(heard.values()), {name for name, messages in heard.items() if not messages}
     assert "<robot" in heard["/robot_description"][0][2][0]
     assert heard["/giraff/estop_engaged"][0][2] == [False]
-    compared = 0
-    for _, stamp, (x, y, _speed) in heard["/odom"]:
-        sample = robot.odometry[stamp]
-        assert (x, y) == (sample.x, sample.y)
-        compared += 1
-    times = [at for at, _, _ in heard["/odom"]]
-    own = sorted(robot.odometry)
-    rate, said = (compared - 1) / (times[-1] - times[0]), (len(own) - 1) / (own[-1] - own[0]) * 1e9
-    assert rate == pytest.approx(said, rel=0.02)
+    assert heard["/map"][0][2] == [True, 100]
+    assert heard["/camera/head/compressed"][0][2] == ["jpeg", 0xFF, 0xD8]
+    for name, (_, share, _) in SAID.items():
+        for _, stamp, values in heard[name]:
+            assert values == pytest.approx(robot.said[name][stamp], rel=1e-6), name
+        times, own = [at for at, _, _ in heard[name]], sorted(robot.said[name])
+        rate, said = (len(times) - 1) / (times[-1] - times[0]), (len(own) - 1) / (own[-1] - own[0]) * 1e9
+        assert rate == pytest.approx(said / share, rel=0.02), name
 
 
 @pytest.mark.parametrize("hz", [20.0, 3.0])

@@ -19,9 +19,9 @@ from typing import Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import BatteryState, Range
+from sensor_msgs.msg import BatteryState, CompressedImage, Imu, Range
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
@@ -30,7 +30,9 @@ SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 TOPICS: dict[str, tuple[Any, Any, Any]] = {
     "/odom": (Odometry, 10, lambda it: [it.pose.pose.position.x, it.pose.pose.position.y, it.twist.twist.linear.x]),
     "/range/front_left": (Range, SENSOR, lambda it: [it.range]),
-    "/range/front_right": (Range, SENSOR, lambda it: [it.range]),
+    "/hand/imu": (Imu, SENSOR, lambda it: [getattr(it.linear_acceleration, axis) for axis in "xyz"]),
+    "/map": (OccupancyGrid, LATCHED, lambda it: [it.info.width * it.info.height == len(it.data), max(it.data)]),
+    "/camera/head/compressed": (CompressedImage, SENSOR, lambda it: [it.format, it.data[0], it.data[1]]),
     "/battery_state": (BatteryState, 10, lambda it: [it.voltage]),
     "/diagnostics": (DiagnosticArray, 10, lambda it: [len(it.status)]),
     "/robot_description": (String, LATCHED, lambda it: [it.data]),
@@ -105,4 +107,4 @@ class Talker:
 talker = Talker()
 for line in sys.stdin:
     word, *values = line.split()
-    print(json.dumps(getattr(talker, word)(*values)), flush=True)
+    print(json.dumps(getattr(talker, word)(*values), default=int), flush=True)

@@ -15,9 +15,7 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
-from io import BytesIO
 from pathlib import Path
-from tarfile import TarFile
 from typing import Final, NamedTuple
 
 HERE: Final = Path(__file__).parents[3] / "build" / "ros2"
@@ -127,8 +125,7 @@ def fetch(each: Source, into: Path) -> None:
     run(*git, "init", "--quiet")
     wanted = each.branch or each.commit
     run(*git, "fetch", "--quiet", "--depth=1", each.repository, wanted)
-    with TarFile(fileobj=BytesIO(run(*git, "archive", each.commit, each.path))) as files:
-        files.extractall(into, filter="data")
+    run("tar", "--extract", "--directory", str(into), input=run(*git, "archive", each.commit, each.path))
 
 
 def write_zenoh_c_headers(zenoh_c: Path) -> None:
