@@ -158,7 +158,11 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
     is_met = False
     for door in doors:
         with contextlib.suppress(zenoh.ZError):
-            yield door, _open_first(config, door_ports(door))
+            session = _open_first(config, door_ports(door))
+            if _is_foreign(network, session):
+                close_session(session)
+                continue
+            yield door, session
             is_met = True
     if is_met and robot == "*":
         return
@@ -169,6 +173,11 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
             return
     if not is_met:
         raise NobodyError(", ".join(each.partition("/")[2] for each in doors))
+
+
+def _is_foreign(network: NetworkConfig, session: zenoh.Session) -> bool:
+    """Whether a router answers at this host's own door, where nobody has named one: it is of ROS 2, as rmw_zenohd."""
+    return not (network.router or network.connect) and bool(session.info.routers_zid())
 
 
 def _open_client(network: NetworkConfig, robot: str, *, records: bool) -> zenoh.Session:

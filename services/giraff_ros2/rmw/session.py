@@ -16,12 +16,34 @@ import zenoh
 
 from giraff_core.network import host_and_port
 from giraff_node.network.session import close_session
+from giraff_schemas.topics import CAMERA_PICTURES, ROOT
 
 OTHER_PORT: Final = 7460
 """Where this is the router while a process that is no router listens at the port that was asked for."""
 _ANSWERS_WITHIN: Final = 1.0  # s; TCP, and then a router's greeting
 _LOOK: Final = 0.02  # s
 _OF_THIS_HOST: Final = ("127.0.0.1", "localhost", "::1", "0.0.0.0", "::")  # noqa: S104
+
+
+_WITHOUT_GIRAFF: Final = {
+    "enabled": True,
+    "default_permission": "allow",
+    "rules": [
+        {
+            "id": "no robot",
+            "permission": "deny",
+            "flows": ["ingress", "egress"],
+            "messages": [
+                *("put", "delete", "query", "reply", "declare_subscriber", "declare_queryable"),
+                *("liveliness_token", "liveliness_query", "declare_liveliness_subscriber"),
+            ],
+            "key_exprs": [f"{ROOT}/**", *(f"{ROOT}/*/{topic.key}" for topic in CAMERA_PICTURES)],
+        }
+    ],
+    "subjects": [{"id": "all"}],
+    "policies": [{"rules": ["no robot"], "subjects": ["all"]}],
+}
+"""Processes of Giraff on this host look for a door where this router listens. It passes on nothing of theirs."""
 
 
 class RosSession(NamedTuple):
@@ -88,6 +110,8 @@ def _config(mode: str, host: str, port: int) -> zenoh.Config:
         "timestamping": {"enabled": True},
         "transport": {"shared_memory": {"enabled": False}},
     }
+    if is_router:
+        config["access_control"] = _WITHOUT_GIRAFF
     return zenoh.Config.from_json5(msgspec.json.encode(config).decode())
 
 

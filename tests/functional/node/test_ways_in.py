@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig, door_ports
 from giraff_node.network.session import NobodyError, close_session, open_clients, open_session
+from giraff_ros2.rmw.session import open_ros
 
 ROBOT = "sim-node"
 
@@ -30,3 +32,10 @@ def test_a_client_comes_in_by_another_port_of_the_door(tmp_path: Path) -> None:
             close_session(session)
         finally:
             close_session(door)
+
+
+def test_a_router_of_ros_at_the_port_of_the_door_is_no_door(tmp_path: Path) -> None:
+    usual = f"127.0.0.1:{free_port()}"
+    client = NetworkConfig(mode="fixed", rendezvous=usual, sockets=str(tmp_path / "laptop"))
+    with closing(open_ros(usual).session), pytest.raises(NobodyError):
+        next(open_clients(client, "*"))

@@ -61,8 +61,8 @@ class Stranger:
         config = zenoh.Config()
         for key, value in {
             "mode": f'"{mode}"',
-            "connect/endpoints": f'["tcp/127.0.0.1:{port}"]' if mode == "peer" else "[]",
-            "listen/endpoints": '["tcp/127.0.0.1:0"]' if mode == "peer" else f'["tcp/127.0.0.1:{port}"]',
+            "connect/endpoints": f'["tcp/127.0.0.1:{port}"]',
+            "listen/endpoints": '["tcp/127.0.0.1:0"]' if mode == "peer" else "[]",
             "scouting/multicast/enabled": "false",
             "timestamping/enabled": "true",
             "adminspace/enabled": "true",
@@ -102,6 +102,28 @@ def test_it_is_the_router_where_there_is_none_and_a_peer_where_there_is_one(port
     with closing(RosNode(Ros2Config(router=f"127.0.0.1:{port}", namespace="r2"), (ODOM,))) as second:
         assert not second.way.is_router
         assert not second.trouble()
+
+
+def test_its_router_passes_on_what_is_of_ros_and_nothing_of_giraff(port: int, node: RosNode) -> None:
+    assert node.way.is_router
+    heard: list[str] = []
+
+    def on_sample(sample: zenoh.Sample) -> None:
+        heard.append(str(sample.key_expr))
+
+    with closing(Stranger(port, "client")) as one, closing(Stranger(port, "client")) as other:
+        keys = ("giraff/r/odom", "giraff/r/cmd_vel/keyboard", "giraff/r/camera/head/@full", "0/odom/type/hash")
+        _kept = [other.session.declare_subscriber(key, on_sample) for key in ("**", *keys)]
+        _token = one.session.liveliness().declare_token("giraff/r/alive/base/1")
+
+        def say() -> bool:
+            for key in keys:
+                one.session.put(key, b"")
+            return len(heard) > 5
+
+        until(say)
+        assert set(heard) == {"0/odom/type/hash"}
+        assert not list(other.session.liveliness().get("giraff/**", timeout=1.0))
 
 
 def test_another_port_is_taken_where_no_router_listens(port: int, monkeypatch: pytest.MonkeyPatch) -> None:
