@@ -10,6 +10,7 @@ from giraff_ros2.port import RosPublisher
 from giraff_ros2.rmw.names import Entity, dds_type, entity_of, gid_of
 from giraff_ros2.topics import RosTopic
 from giraff_schemas.text import printable
+from giraff_schemas.topics import LONGEST_CHUNK
 from giraff_schemas.trouble import WELL, Trouble
 
 _MOST: Final = 500
@@ -52,13 +53,21 @@ class Graph:
         for token, entity in self._entities.items():
             topic = self._topics.get((entity.name, entity.type, entity.type_hash))
             if topic is not None and entity.kind == "MP":
-                publishers.append(RosPublisher(gid_of(token), entity.full_node, entity.session, topic))
+                publishers.append(RosPublisher(gid_of(token), _readable(entity.full_node), entity.session, topic))
             elif entity.kind == "MP":
                 self.trouble = _unheard(entity)
         self.publishers = tuple(publishers)
         self.wanted = frozenset(entity.name for entity in self._entities.values() if entity.kind == "MS")
 
 
+def _readable(name: str) -> str:
+    """Return a name of somebody's as people may be shown it."""
+    return printable(name[:LONGEST_CHUNK])
+
+
 def _unheard(entity: Entity) -> Trouble:
-    what = f"{entity.full_node} publishes {entity.name} as {entity.type} of another type or hash, and is not heard"
-    return Trouble(printable(what), "check its type, and that `distribution` of [ros2] is that of its ROS 2")
+    node, name, kind = (_readable(each) for each in (entity.full_node, entity.name, entity.type))
+    return Trouble(
+        f"{node} publishes {name} as {kind} of another type or hash, and is not heard",
+        "check its type, and that `distribution` of [ros2] is that of its ROS 2",
+    )

@@ -88,7 +88,7 @@ def entity_of(token: str) -> Entity | None:
     if parts[0] != _SPACE or len(parts) not in (_NODE_PARTS, *_ENDPOINT_PARTS) or not all(parts):
         return None
     _, _, session, node_id, entity_id, kind, _, namespace, node, *rest = parts
-    if not (node_id.isdecimal() and entity_id.isdecimal()):
+    if not (session.isalnum() and node_id.isdecimal() and entity_id.isdecimal()):
         return None
     name, type_name, type_hash, qos = rest[:4] if rest else ("", "", "", "")
     return Entity(

@@ -6,6 +6,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from itertools import count
 from typing import Any, Final
 
@@ -60,7 +61,7 @@ class _Call:
 
     def answer(self, success: bool, message: str) -> None:
         reply = self._asked._replace(sent_ns=time.time_ns())
-        with self._query as query:
+        with self._query as query, suppress(zenoh.ZError):  # who has asked may be gone
             query.reply(query.key_expr, self._encode(success=success, message=message), attachment=reply.encode())
 
 
@@ -235,7 +236,8 @@ class RosNode:
         if not self._asks.due(now):
             return
         asked = [*dict.fromkeys(processes)][:_MOST_ASKED]
-        self._answered = {process: at for process, at in self._answered.items() if process in asked}
+        known = dict(self._answered)  # at once: answers come from another thread
+        self._answered = {process: at for process, at in known.items() if process in asked}
         for process in asked:
 
             def on_reply(reply: zenoh.Reply, process: str = process, at: float = now) -> None:

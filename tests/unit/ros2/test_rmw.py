@@ -64,7 +64,15 @@ def test_key_and_token_are_those_of_ros() -> None:
 
 @pytest.mark.parametrize(
     "token",
-    ["", "@ros2_lv/0/abc1", TOKEN.replace("/3/", "/x/"), TOKEN.replace("/teleop/", "//"), f"{TOKEN}/a/b", TOKEN[1:]],
+    [
+        "",
+        "@ros2_lv/0/abc1",
+        TOKEN.replace("/3/", "/x/"),
+        TOKEN.replace("abc1", "**"),
+        TOKEN.replace("/teleop/", "//"),
+        f"{TOKEN}/a/b",
+        TOKEN[1:],
+    ],
 )
 def test_another_token_is_nobody(token: str) -> None:
     assert entity_of(token) is None
@@ -143,6 +151,14 @@ def test_graph_tells_who_speaks_who_listens_and_who_is_not_heard() -> None:
     graph.on_token(TOKEN, is_there=False)
     graph.on_token(watcher, is_there=False)
     assert not graph.publishers + tuple(graph.wanted)
+
+
+def test_a_hostile_name_is_shown_as_plain_text_and_not_at_length() -> None:
+    graph = Graph("me", {CMD_VEL: ("/r1/cmd_vel", TWIST_HASH)})
+    graph.on_token(TOKEN.replace("teleop", "\x1b[2Jx" + "y" * 5000), is_there=True)
+    (publisher,) = graph.publishers
+    assert "\x1b" not in publisher.node
+    assert len(publisher.node) < 100
 
 
 def test_a_flood_of_tokens_is_bounded() -> None:
