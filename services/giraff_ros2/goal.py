@@ -24,8 +24,11 @@ from giraff_schemas.trouble import WELL, Trouble
 _NEAR: Final = 0.05  # m; a goal so near is a turn alone
 _ALIGNED: Final = math.radians(1.0)
 _LEVEL: Final = 0.05  # of a quaternion's x and y
-_FREE_WITHIN: Final = 3.0
-"""s within which nobody drives any more: this service's own hand lets go at once, and its lease ends after 1 s."""
+_BEGINS_WITHIN: Final = 3.0
+"""s after which a goal is too old to be asked for. The lease of this service's own hand ends after 1 s."""
+_POSE_COUNTS: Final = 1.0  # s
+_STOOD_STILL: Final = 1.0
+"""s between two turns after which this process was frozen or suspended: a goal that comes then may be an old one."""
 _TOLD_FOR: Final = 30.0
 """s for which the end of a motion is told that has not arrived."""
 
@@ -37,14 +40,16 @@ class Goals:
         """`by`: who asks, for people."""
         self._io, self._by = io, by
         self._holds = io.publisher(MOTION_HOLD)
-        self._poses: dict[str, tuple[float, float, float]] = {}
-        self._goal: tuple[str, float, float, float, float] | None = None  # frame, x, y, yaw; since when
+        self._poses: dict[str, tuple[float, tuple[float, float, float]]] = {}  # when it was heard; x, y, yaw
+        self._goal: tuple[str, float, float, float] | None = None  # frame, x, y, yaw
+        self._given_at = -math.inf
         self._requester: MotionRequester | None = None
         self._steps: tuple[Step, ...] = ()
         self._asking: RetriedRequest[Any] | None = None
         self._cancelling: RetriedRequest[Any] | None = None
         self._trouble, self._told_at = WELL, -math.inf
-        self._now = -math.inf
+        self._now = math.inf  # of the last turn; there was none
+        self._woke_at = -math.inf
 
     @property
     def is_active(self) -> bool:
@@ -67,10 +72,13 @@ class Goals:
             self._tell(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
         elif max(abs(turned.x), abs(turned.y)) > _LEVEL or not 0.9 < norm < 1.1:
             self._tell("its orientation is no turn on the floor", now)
+        elif self._has_just_woken(now):
+            self._tell("giraff_ros2 stood still, and the goal may be an old one; give it again", now)
         else:
             self.cancel("another goal was given", now)
             self._trouble = WELL
-            self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w), now
+            self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w)
+            self._given_at = now
 
     def cancel(self, why: str, now: float) -> None:
         """Let go of the goal."""
@@ -91,30 +99,45 @@ class Goals:
         """Take where the robot is, and how the motion goes."""
         match sample:
             case Odometry():
-                self._poses[ODOM_FRAME] = sample.x, sample.y, sample.yaw
-            case MapPose():
-                self._poses[MAP_FRAME] = sample.x, sample.y, sample.yaw
+                self._poses[ODOM_FRAME] = now, (sample.x, sample.y, sample.yaw)
+            case MapPose() if sample.state in ("localized", "told"):
+                self._poses[MAP_FRAME] = now, (sample.x, sample.y, sample.yaw)
+            case MapPose():  # its pose is a guess
+                self._poses.pop(MAP_FRAME, None)
             case MotionState() if self._requester is not None:
                 self._requester.on_state(sample, now)
 
     def turn(self, now: float, driver: str) -> None:
         """Ask, hold and end. `driver`: name of the operator that holds the lease; empty: none."""
+        self._has_just_woken(now)
         self._now = now
         if self._requester is not None:
             self._go_on(self._requester, now)
         elif self._goal is not None:
             self._begin(*self._goal, now, driver)
 
-    def _begin(self, frame: str, x: float, y: float, yaw: float, since: float, now: float, driver: str) -> None:
-        if driver not in ("", MOTION_SERVICE.name):
-            if now - since > _FREE_WITHIN:
-                self.cancel(f"{driver} drives", now)
+    def _has_just_woken(self, now: float) -> bool:
+        """Return whether this process stood still until lately, as its own turns show."""
+        if now - self._now > _STOOD_STILL:
+            self._woke_at = now
+        return now - self._woke_at < _STOOD_STILL
+
+    def _is_late(self, now: float) -> bool:
+        """Return whether the newest goal is too old to be asked for: nobody expects the robot to move by it."""
+        return now - self._given_at > _BEGINS_WITHIN
+
+    def _begin(self, frame: str, x: float, y: float, yaw: float, now: float, driver: str) -> None:
+        is_free = driver in ("", MOTION_SERVICE.name)
+        if self._is_late(now):
+            self.cancel("it could not begin in time; give it again" if is_free else f"{driver} drives", now)
+        if self._goal is None or not is_free:
             return
-        if frame not in self._poses:
-            self.cancel(f"nobody tells where the robot is in {frame}", now)
+        heard, pose = self._poses.get(frame, (-math.inf, (0.0, 0.0, 0.0)))
+        if now - heard > _POSE_COUNTS:
+            self.cancel(f"nobody knows where the robot is in {frame}", now)
             return
         self._goal = None
-        self._steps = _steps(self._poses[frame], frame, x, y, yaw)
+        self._steps = _steps(pose, frame, x, y, yaw)
         if self._steps:
             self._requester = MotionRequester(self._io.token(), self._by, self._io.instance)
             self._asking = self._cancelling = None
@@ -126,6 +149,10 @@ class Goals:
             if (answer := self._asking.poll(now)) is not None:
                 requester.on_answer(answer, now)
             requester.on_fault(self._asking.fault)
+        elif self._is_late(now):
+            self._requester = None
+            self._tell("the robot is not heard; give it again when it is", now)
+            return
         elif (request := requester.ask(now, self._steps)) is not None:
             self._asking = self._io.ask(MOTION_GO, request, lambda _: True)
         if (hold := requester.hold(now)) is not None:

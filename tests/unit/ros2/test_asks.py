@@ -22,7 +22,8 @@ from giraff_ros2.goal import Goals
 from giraff_ros2.port import Received
 from giraff_ros2.topics import GOAL_POSE, RosTopic
 from giraff_schemas.camera import Picture
-from giraff_schemas.messages import EStop, Odometry, RobotTime, Tick
+from giraff_schemas.localization import MapPose, PlanarPose
+from giraff_schemas.messages import EStop, Odometry, RobotTime, Sample, Tick
 from giraff_schemas.motion import NOWHERE, GoTo, MotionAnswer, MotionCancel, MotionGo, MotionState, Turn
 from giraff_schemas.requests import EStopAnswer
 from tests.support.robots import FITTED
@@ -131,10 +132,11 @@ class Rviz:
     def __init__(self, x: float = 1.0, y: float = 0.0, yaw: float = 0.0) -> None:
         self.robot, self.now = Robot(), 0.0
         self.goals = Goals(self.robot, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
+        self.is_heard = True
         time = RobotTime(epoch=1, robot_ns=1)
         numbers: dict[str, Any] = dict.fromkeys(("linear_x", "angular_z", "path"), 0.0)
-        pose = Odometry(x=x, y=y, yaw=yaw, covariance=(0.0,) * 6, board_us=0, boot_id=1, tick=time, **numbers)
-        self.goals.on_sample(pose, 0.0)
+        numbers["covariance"] = (0.0,) * 6
+        self.pose: Sample = Odometry(x=x, y=y, yaw=yaw, board_us=0, boot_id=1, tick=time, **numbers)
 
     def give(self, x: float, y: float, yaw: float = 0.0, frame: str = "odom", turned: Quaternion | None = None) -> None:
         rotation = turned or Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
@@ -146,7 +148,9 @@ class Rviz:
         before = len(self.robot.asked)
         for _ in range(round(seconds / 0.02)):
             self.now += 0.02
-            self.goals.on_tick(Tick(epoch=1, robot_ns=round(self.now * 1e9)), self.now)
+            self.goals.on_sample(self.pose, self.now)
+            if self.is_heard:
+                self.goals.on_tick(Tick(epoch=1, robot_ns=round(self.now * 1e9)), self.now)
             self.goals.turn(self.now, driver)
         return [asked.request for asked in self.robot.asked[before:]]
 
@@ -230,6 +234,42 @@ def test_a_goal_waits_until_nobody_drives_and_no_longer_than_3_s() -> None:
     assert rviz.run(3.2, driver="keyboard") == []
     assert not rviz.goals.is_active
     assert "keyboard drives" in str(rviz.goals.trouble)
+
+
+@pytest.mark.parametrize("moment", ["not heard", "frozen before", "frozen while it waits", "frozen while not heard"])
+def test_a_goal_of_long_ago_moves_nothing(moment: str) -> None:
+    rviz = Rviz()
+    rviz.run()
+    rviz.is_heard = "not heard" not in moment
+    if moment == "frozen before":  # it has waited in the network
+        rviz.now += 600.0
+    rviz.give(2.0, 0.0)
+    assert rviz.run(0.5, driver="ros2" if moment == "frozen while it waits" else "") == []
+    if moment == "not heard":
+        assert rviz.run(10.0) == []
+    elif moment != "frozen before":
+        rviz.now += 600.0
+    rviz.is_heard = True
+    assert rviz.run(1.1) == []
+    assert not rviz.goals.is_active
+    assert "give it again" in str(rviz.goals.trouble)
+    rviz.give(2.0, 0.0)
+    assert len(rviz.run()) == 1
+
+
+@pytest.mark.parametrize(
+    ("state", "silent_s", "asks"), [("localized", 0.9, 1), ("localized", 1.1, 0), ("lost", 0.0, 0)]
+)
+def test_no_goal_is_begun_by_a_guess_of_where_the_robot_is(state: Any, silent_s: float, asks: int) -> None:
+    rviz = Rviz()
+    place: dict[str, Any] = {"x": 1.0, "y": 0.0, "yaw": 0.0, "covariance": (0.0,) * 6, "candidates": (), "tick": None}
+    place |= {"odom": PlanarPose(x=0.0, y=0.0, yaw=0.0), "explained": 1.0, "way": 0.0, "particles": 9}
+    rviz.goals.on_sample(MapPose(state="localized", map="home", reason="", **place), 0.0)
+    rviz.goals.on_sample(MapPose(state=state, map="home", reason="", **place), 0.0)
+    rviz.run(silent_s)
+    rviz.give(1.0, 0.0, 2.0, frame="map")  # a turn alone, which giraff_motion does not judge by localization
+    assert len(rviz.run(0.08)) == asks
+    assert bool(rviz.goals.trouble) is not bool(asks)
 
 
 def test_it_is_held_while_it_goes_on_and_its_end_is_told_unless_it_arrived() -> None:
