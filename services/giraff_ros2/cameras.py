@@ -15,7 +15,7 @@ _APART: Final = 1.0  # s between two starts to look: each opens a session
 
 
 class PictureSource(Protocol):
-    """What sees a camera: `giraff_node.picture_client.PictureClient` in a process. No call waits."""
+    """Sees a camera: `giraff_node.picture_client.PictureClient` in a process. No call waits."""
 
     def want(self) -> None: ...
     def take(self) -> Picture | None: ...

@@ -15,8 +15,13 @@ from giraff_schemas.topics import require_chunk
 _NAMESPACE: Final = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
+def endpoint(host: str, port: int) -> str:
+    """Return an address as Zenoh writes it."""
+    return f"tcp/[{host}]:{port}" if ":" in host else f"tcp/{host}:{port}"
+
+
 class Ros2Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where ROS 2 is, and what the robot is called there."""
+    """The way to ROS 2, and the robot's names there."""
 
     LIVE: ClassVar = Tuning.READ_ONLY
 
@@ -27,7 +32,7 @@ class Ros2Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     domain: Annotated[int, Bounds(0, 232)] = 0
     """`ROS_DOMAIN_ID` of the ROS processes. It separates, it does not protect."""
     distribution: Literal["humble", "jazzy", "kilted"] = "kilted"
-    """ROS 2 distribution of the ROS processes. Jazzy and Kilted hear each other, and Humble hears itself alone."""
+    """ROS 2 distribution of the ROS processes. Jazzy and Kilted hear each other. Humble hears neither of them."""
     router: str = "127.0.0.1:7447"
     """Address of the Zenoh router of the ROS processes. Where nobody answers there and it is an address of this host,
     this service is the router."""

@@ -34,7 +34,7 @@ class StopCalls:
 
     @property
     def asked(self) -> bool:
-        """Whether a stop was asked for that base has not confirmed."""
+        """Tell whether a stop was asked for that base has not confirmed."""
         return self._request.asked
 
     def on_call(self, call: Call, now: float) -> None:

@@ -53,7 +53,7 @@ class Goals:
 
     @property
     def is_active(self) -> bool:
-        """Whether a goal is being driven to, or is about to be."""
+        """Tell whether a goal is driven to, or is about to be."""
         return self._goal is not None or self._requester is not None
 
     @property
@@ -61,17 +61,19 @@ class Goals:
         """Why the newest goal is not driven to; WELL: it is, or was, or there was none lately."""
         return self._trouble if self._now - self._told_at < _TOLD_FOR else WELL
 
-    def on_goal(self, received: Received, now: float) -> None:
-        """Take a goal. It replaces the one before it."""
+    def on_goal(self, received: Received, now: float, *, is_known: bool = True) -> None:
+        """Take a goal. It replaces the one before it. `is_known`: its publisher is there now."""
         pose, frame = received.message.pose, received.message.header.frame_id
         at, turned = pose.position, pose.orientation
         norm = math.hypot(turned.z, turned.w)
         if not all(map(math.isfinite, (at.x, at.y, turned.x, turned.y, norm))):
-            self._tell("a number of it is none", now)
+            self._tell("a number of it is not finite", now)
         elif frame not in (ODOM_FRAME, MAP_FRAME):
             self._tell(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
         elif max(abs(turned.x), abs(turned.y)) > _LEVEL or not 0.9 < norm < 1.1:
             self._tell("its orientation is no turn on the floor", now)
+        elif not is_known:
+            self._tell("whoever gave it is not there; give it again", now)
         elif self._has_just_woken(now):
             self._tell("giraff_ros2 stood still, and the goal may be an old one; give it again", now)
         else:
@@ -79,6 +81,10 @@ class Goals:
             self._trouble = WELL
             self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w)
             self._given_at = now
+
+    def on_refused(self, trouble: Trouble, now: float) -> None:
+        """Take that a sample was no goal."""
+        self._trouble, self._told_at = trouble, now
 
     def cancel(self, why: str, now: float) -> None:
         """Let go of the goal."""
@@ -163,7 +169,10 @@ class Goals:
                 self._tell(result.reason, now)
 
     def _tell(self, why: str, now: float) -> None:
-        self._trouble, self._told_at = Trouble(f"/goal_pose is not driven to: {why}"), now
+        self._trouble, self._told_at = (
+            Trouble(f"/goal_pose is not driven to: {why}", "give another goal when that is over"),
+            now,
+        )
 
 
 def _steps(pose: tuple[float, float, float], frame: str, x: float, y: float, yaw: float) -> tuple[Step, ...]:

@@ -9,9 +9,10 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
 
 from giraff_node import Node
+from giraff_node.network.host_addresses import host_addresses
 from giraff_node.picture_client import PictureClient
 from giraff_node.process.libraries import remedy
-from giraff_ros2.config import Ros2Config
+from giraff_ros2.config import Ros2Config, endpoint
 
 if TYPE_CHECKING:
     from giraff_ros2.cameras import PictureSource
@@ -21,6 +22,8 @@ _LIBRARIES: Final = ("numpy", "rosbags", "xxhash")
 _REFUSED: Final = 2
 _ROS_OWN: Final = (("localhost", 7447), ("127.0.0.1", 7447))
 """Where ROS processes look for their router unless somebody says otherwise."""
+_LOOPBACK: Final = ("127.0.0.1", "localhost", "::1")
+_EVERY_ADDRESS: Final = ("0.0.0.0", "::")  # noqa: S104  it is only compared
 
 
 def main() -> None:
@@ -66,5 +69,8 @@ def shell_lines(config: Ros2Config, way: RosSession) -> list[str]:
     if config.domain:
         lines.append(f"export ROS_DOMAIN_ID={config.domain}")
     if (way.host, way.port) not in _ROS_OWN:
-        lines.append(f"export ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"tcp/{way.host}:{way.port}\"]'")
+        host = min(host_addresses(), default="127.0.0.1") if way.host in _EVERY_ADDRESS else way.host
+        # ROS programs of another host listen on their own loopback alone: their router must be what they hear all by.
+        mode = "" if host in _LOOPBACK else 'mode="client";'
+        lines.append(f"export ZENOH_CONFIG_OVERRIDE='{mode}connect/endpoints=[\"{endpoint(host, way.port)}\"]'")
     return lines

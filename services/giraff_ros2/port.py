@@ -1,4 +1,4 @@
-"""What the service reaches ROS through: `giraff_ros2.rmw` on a network, and a double in tests. No I/O here."""
+"""The service's way to ROS: `giraff_ros2.rmw` on a network, and a double in tests. No I/O here."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Received(NamedTuple):
 
     topic: RosTopic
     message: Any
-    """Of rosbags' class for the type; each number in it may be NaN."""
+    """An object of rosbags' class for the type; each number in it may be NaN."""
     gid: bytes
     """Its publisher's, 16 bytes. Samples and tokens come in any order: the publisher may not be known yet."""
     sent_ns: int
@@ -57,7 +57,7 @@ class RosPort(Selectable, Protocol):
         ...
 
     def take(self) -> Iterable[Received | Refused]:
-        """What has come on the topics of `SUBSCRIBED` since the last call, in its order."""
+        """Return what has come on the topics of `SUBSCRIBED` since the last call, in its order."""
         ...
 
     def calls(self) -> Iterable[Call]:
@@ -65,11 +65,11 @@ class RosPort(Selectable, Protocol):
         ...
 
     def publishers(self) -> Iterable[RosPublisher]:
-        """Who publishes on the topics of `SUBSCRIBED` now, by tokens: a frozen process keeps them for a minute."""
+        """Return who publishes on the topics of `SUBSCRIBED`, by tokens. A frozen process keeps its own a minute."""
         ...
 
     def is_wanted(self, topic: RosTopic) -> bool:
-        """Whether anybody of ROS subscribes to a topic that this node publishes."""
+        """Tell whether a ROS process subscribes to a topic that this node publishes."""
         ...
 
     def answered(self, process: str) -> float:
@@ -84,5 +84,5 @@ class RosPort(Selectable, Protocol):
         ...
 
     def trouble(self) -> Trouble:
-        """What is wrong with the way to ROS, and with what it publishes; WELL: nothing is known."""
+        """Return what is wrong with the way to ROS, and with what it publishes; WELL: nothing is known."""
         ...

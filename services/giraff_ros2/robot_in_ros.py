@@ -37,7 +37,7 @@ class RobotInRos:
     """Writes the topics of `PUBLISHED` but the emergency stop's. Times are monotonic, s."""
 
     def __init__(self, robot: RobotConfig, port: RosPort, open_source: OpenSource | None, by: str) -> None:
-        """`open_source`: looks at a camera of the robot; None: nobody of ROS does. `by`: who looks, for people."""
+        """`open_source`: looks at a camera; None: ROS is shown no pictures. `by`: who looks, for people."""
         self._robot, self._ros = robot, port
         self._newest = LatestSamples()
         self._timer = Timer(_DIAGNOSTICS_HZ)

@@ -45,7 +45,7 @@ class Ros2(OperatorService):
     def __init__(
         self, io: IO, config: Ros2Config, robot: RobotConfig, ros: RosPort, open_source: OpenSource | None = None
     ) -> None:
-        """`open_source`: looks at a camera of the robot; None: nobody of ROS does."""
+        """`open_source`: looks at a camera of the robot; None: ROS is shown no pictures."""
         self._io, self._ros = io, ros
         by = f"{config.operator}@{io.hostname}"
         self._twists = TwistHand(config, io.instance)
@@ -75,8 +75,8 @@ class Ros2(OperatorService):
         self._stops.poll(now)
         if (engaged := self._stops.news()) is not None:
             self._ros.publish(ESTOP_ENGAGED, truth(engaged))
-        if self._goals.is_active and (self._stops.asked or self._twists.wishes(now)):
-            self._goals.cancel("a stop was asked for" if self._stops.asked else "/cmd_vel drives", now)
+        if self._stops.asked:
+            self._goals.cancel("a stop was asked for", now)
         self._goals.turn(now, self._twists.operator.holder)
         self._twists.paused, self._twists.stopping = self._goals.is_active, self._stops.asked
         self.say(now)
@@ -104,13 +104,20 @@ class Ros2(OperatorService):
 
     def _take(self, each: Received | Refused, now: float) -> None:
         match each:
+            case Refused() if each.topic == GOAL_POSE:
+                self._goals.on_refused(each.trouble, now)
+                return
             case Refused():
                 self._twists.on_refused(each, now)
             case Received() if each.topic == GOAL_POSE:
-                self._goals.on_goal(each, now)
+                is_known = any(one.gid == each.gid for one in self._ros.publishers())
+                self._goals.on_goal(each, now, is_known=is_known)
+                return
             case Received():
                 self._twists.on_twist(each, now)
                 self.timer.hurry("ros2", now)
+        # Also zero, which stops: it is the key that somebody presses in fright.
+        self._goals.cancel("a message came on /cmd_vel", now)
 
     def _tell(self) -> None:
         self._io.set_notice("ros", self._ros.trouble())

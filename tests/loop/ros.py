@@ -63,6 +63,7 @@ class RosDesk:
         """The newest message of each topic."""
         self.counts: dict[str, int] = {}
         self.called: deque[Answer] = deque()
+        self.rviz = RosPublisher(b"rviz".ljust(16), "/rviz", "rviz", GOAL_POSE)
         self.now = 0.0
         self._heard: deque[Received | Refused] = deque()
         self._answered: dict[str, float] = {}
@@ -75,7 +76,7 @@ class RosDesk:
     def give_goal(self, x: float, y: float, yaw: float, frame: str = "odom") -> None:
         turned = Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
         goal = PoseStamped(Header(Time(0, 0), frame), Pose(Point(x, y, 0.0), turned))
-        self._heard.append(Received(GOAL_POSE, goal, bytes(16), 0, self.now))
+        self._heard.append(Received(GOAL_POSE, goal, self.rviz.gid, 0, self.now))
 
     def turn(self, now: float, *, asks: bool) -> None:
         """Let 10 ms pass. `asks`: the programs are asked, and publish."""
@@ -106,7 +107,7 @@ class RosDesk:
             yield self.called.popleft()
 
     def publishers(self) -> list[RosPublisher]:
-        return [program.publisher for program in self.programs]
+        return [self.rviz, *(program.publisher for program in self.programs)]
 
     def is_wanted(self, topic: RosTopic) -> bool:
         return not topic
@@ -167,12 +168,12 @@ class RosStage:
         self.run(0.4)
 
     def drive(self, program: Program) -> None:
-        """Arm the robot as teleop_twist_keyboard does, and drive ahead for 1 s."""
+        """Arm the robot as teleop_twist_keyboard does, and drive ahead for 0.6 s."""
         self.press(program, 0.3)
         self.run(1.0)
         assert (self.driver, self.armed) == ("ros2", True), self.why
         program.asks = (0.3, 0.0)
-        self.run(1.0)
+        self.run(0.6)
         assert self.stage.driven_ms(self.now - 0.1) > 90, self.why
 
     def run(self, seconds: float) -> None:

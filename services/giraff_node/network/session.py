@@ -159,7 +159,7 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
     for door in doors:
         with contextlib.suppress(zenoh.ZError):
             session = _open_first(config, door_ports(door))
-            if _is_foreign(network, session):
+            if _is_foreign(network, door, session):
                 close_session(session)
                 continue
             yield door, session
@@ -175,9 +175,10 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
         raise NobodyError(", ".join(each.partition("/")[2] for each in doors))
 
 
-def _is_foreign(network: NetworkConfig, session: zenoh.Session) -> bool:
-    """Whether a router answers at this host's own door, where nobody has named one: it is of ROS 2, as rmw_zenohd."""
-    return not (network.router or network.connect) and bool(session.info.routers_zid())
+def _is_foreign(network: NetworkConfig, door: str, session: zenoh.Session) -> bool:
+    """Tell whether a router answers at this host's own door, where nobody has named one: ROS 2 has its router there."""
+    is_named = network.router or door in [way_to(network, address) for address in network.connect]
+    return not is_named and bool(session.info.routers_zid())
 
 
 def _open_client(network: NetworkConfig, robot: str, *, records: bool) -> zenoh.Session:

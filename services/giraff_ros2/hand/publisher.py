@@ -1,4 +1,4 @@
-"""What is known of one publisher of `/cmd_vel`."""
+"""One publisher of `/cmd_vel`: its messages, and whether it is awake."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ LASTS: Final = 0.4
 """s that one message asks for, as one press of a key does."""
 ANSWERS: Final = 0.6
 """s for which the answer of a process proves that it is awake. It is asked 20 times a second."""
+CALM: Final = 1.0
+"""s of rest after which what was lost counts again. A process that wakes and drives on never has it."""
 _STREAM: Final = 5  # messages
-_STREAM_PERIOD: Final = 0.25  # s between two of them at most
+_STREAM_PERIOD: Final = 1.0  # s between two of them at most: some drive by few messages a second
 _FIRST_ANSWER: Final = 1.0  # s until a process counts as one that cannot answer
 
 _OLD: Final = Trouble(
@@ -32,6 +34,9 @@ class Publisher:
         self.node = "an unknown node"
         self.is_there = False
         """Its token is. That proves nothing: a frozen process keeps it for a minute."""
+        self.was_there = False
+        self.is_lost = False
+        """It was asleep, or could not prove that it was not, and has not rested since for long enough."""
         self.answered = -math.inf
         """When the newest question was asked that its process has answered."""
         self.came = -math.inf
@@ -46,6 +51,20 @@ class Publisher:
         self._clock = PublisherClock()
         self._seen = now
         self._in_stream = 0
+        self._can_answer = False
+        self._calm_since = math.inf
+
+    def watch(self, now: float, answered: float, *, is_there: bool) -> None:
+        """Take whether its token is there, and when its process has answered: often, so that no lapse is missed."""
+        self.is_there, self.was_there = is_there, is_there or self.was_there
+        self.answered, self._can_answer = answered, self._can_answer or not math.isinf(answered)
+        if self.moves(now):
+            self._calm_since = math.inf
+        elif math.isinf(self.proven(now)):
+            self.is_lost, self._calm_since = not math.isinf(self.came), math.inf
+        else:
+            self._calm_since = min(self._calm_since, now)
+            self.is_lost = self.is_lost and now - self._calm_since < CALM
 
     def on_twist(self, received: Received, tick: RobotTime | None) -> None:
         """Take a message. `tick`: the robot's newest now."""
@@ -61,7 +80,7 @@ class Publisher:
             self.asks, self.tick, self.came = asks, tick, received.at
 
     def moves(self, now: float) -> bool:
-        """Whether it asks for motion now."""
+        """Tell whether it asks for motion now."""
         return self.asks != (0.0, 0.0) and now - self.came <= LASTS
 
     def proven(self, now: float) -> float:
@@ -70,7 +89,7 @@ class Publisher:
             return self.came
         if now - self.answered <= ANSWERS:
             return self.answered
-        if math.isinf(self.answered) and now - self._seen > _FIRST_ANSWER:
+        if not self._can_answer and now - self._seen > _FIRST_ANSWER:
             # None of rmw_zenoh's. A stream that breaks off may be a frozen process, single messages are a person.
             return now if self.asks == (0.0, 0.0) or self._in_stream < _STREAM else -math.inf
         return -math.inf

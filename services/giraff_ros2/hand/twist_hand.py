@@ -1,4 +1,4 @@
-"""What ROS publishes on `/cmd_vel` as an operator's hand. No I/O and no clock.
+"""The publishers of `/cmd_vel` as an operator's hand. No I/O and no clock.
 
 `teleop_twist_keyboard` sends one message for a key press and then none, so a publisher that is there and silent is a
 hand at rest, which arms the robot. A process that is frozen is there and silent, too, and drives on when it wakes. So
@@ -15,7 +15,7 @@ from typing import Final
 from giraff_core.freshness import age
 from giraff_core.operator import Fault, Hand, Operator, Wish
 from giraff_ros2.config import Ros2Config
-from giraff_ros2.hand.publisher import ANSWERS, LASTS, Publisher
+from giraff_ros2.hand.publisher import ANSWERS, CALM, LASTS, Publisher
 from giraff_ros2.port import Received, Refused, RosPublisher
 from giraff_ros2.topics import CMD_VEL, CMD_VEL_STAMPED
 from giraff_schemas.messages import RobotTime
@@ -23,8 +23,6 @@ from giraff_schemas.trouble import WELL, Trouble
 
 RESTS: Final = 30.0
 """s after its last message for which a publisher is a hand at rest, and no longer."""
-CALM: Final = 1.0
-"""s of rest after which a hand counts again that was lost. A process that wakes and drives on never has it."""
 _GONE: Final = 1.0  # s for which the end of a publisher that drove is told
 _MOST: Final = 32  # publishers that are remembered
 
@@ -54,8 +52,7 @@ class TwistHand(Hand):
 
     def on_refused(self, refused: Refused, now: float) -> None:
         """Take that a sample was no message."""
-        if refused.topic in (CMD_VEL, CMD_VEL_STAMPED):
-            self._refused, self._refused_at = refused.trouble, now
+        self._refused, self._refused_at = refused.trouble, now
 
     def look(self, publishers: Iterable[RosPublisher], answered: Callable[[str], float], now: float) -> None:
         """Take who is there now, and who has answered when. What has come before is judged together with it."""
@@ -63,8 +60,8 @@ class TwistHand(Hand):
         for gid in [*there][:_MOST]:
             self._of(gid, now).node = there[gid].node
         for gid, publisher in self._publishers.items():
-            publisher.is_there = gid in there
-            publisher.answered = answered(there[gid].process) if gid in there else -math.inf
+            is_there = gid in there
+            publisher.watch(now, answered(there[gid].process) if is_there else -math.inf, is_there=is_there)
         self._ticks.append((now, self.operator.tick))
         judged = self._judge(now)
         if isinstance(judged, Fault):
@@ -87,19 +84,16 @@ class TwistHand(Hand):
             return Fault(Trouble(self._lost.what, self._lost.remedy or _LET_REST), judged.tick)
         return judged
 
-    def wishes(self, now: float) -> bool:
-        """Whether somebody drives now."""
-        judged = self._judge(now)
-        return isinstance(judged, Wish) and judged.takes and not self._lost
-
     def _judge(self, now: float) -> Wish | Fault | None:
-        """Return what is asked, whatever was before."""
+        """Return what is asked now, without what was before."""
         known = self._publishers.values()
         movers = [each for each in known if each.is_there and each.moves(now)]
         resting = [each for each in known if each.is_there and now - each.came <= RESTS]
         if fault := self._fault(movers, now):
             return Fault(fault, self.operator.tick) if movers or resting or self._spoke(now) else None
         for mover in movers:
+            if mover.is_lost:
+                return Fault(_asleep(mover.node), self.operator.tick)
             newest = self.operator.tick
             if newest is not None and age(mover.tick, newest) <= LASTS:
                 return Wish(*mover.asks, mover.tick, takes=True)
@@ -116,7 +110,7 @@ class TwistHand(Hand):
             names = " and ".join(sorted(each.node for each in movers))
             return Trouble(f"{names} drive at once", "let one of them rest")
         for each in self._publishers.values():
-            if not each.is_there and each.asks != (0.0, 0.0) and now - each.came <= _GONE:
+            if each.was_there and not each.is_there and each.asks != (0.0, 0.0) and now - each.came <= _GONE:
                 return Trouble(f"{each.node} was driving, and is not there any more", "start it again")
             # What was refused is no motion; the message before it goes on to age.
             if now - each.refused_at <= LASTS and not each.moves(now):
@@ -126,7 +120,7 @@ class TwistHand(Hand):
         return self.operator.link_fault(now)
 
     def _spoke(self, now: float) -> bool:
-        """Whether anything has come lately, of whomever."""
+        """Tell whether anybody has published lately."""
         newest = max((max(each.came, each.refused_at) for each in self._publishers.values()), default=-math.inf)
         return now - max(newest, self._refused_at) <= _GONE
 
@@ -137,14 +131,16 @@ class TwistHand(Hand):
     def _of(self, gid: bytes, now: float) -> Publisher:
         if gid not in self._publishers:
             if len(self._publishers) >= _MOST:
-                oldest = min(self._publishers, key=lambda each: self._publishers[each].came)
-                del self._publishers[oldest]
+                # Who has no token goes first: a flood of invented publishers drives out nobody.
+                del self._publishers[
+                    min(self._publishers.items(), key=lambda each: (each[1].was_there, each[1].came))[0]
+                ]
             self._publishers[gid] = Publisher(now)
         return self._publishers[gid]
 
 
 def _asleep(node: str) -> Trouble:
     return Trouble(
-        f"the process of {node} has not answered for {ANSWERS:g} s, and may be frozen",
+        f"the process of {node} did not answer for {ANSWERS:g} s, and may be or have been frozen",
         f"look at it; then {_LET_REST}",
     )

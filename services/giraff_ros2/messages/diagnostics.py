@@ -1,4 +1,4 @@
-"""How the robot is, as ROS's diagnostics: a row for each part, by the newest sample of it."""
+"""The robot's state as ROS's diagnostics: a row for each part, by the newest sample of it."""
 
 from __future__ import annotations
 
@@ -76,13 +76,18 @@ def _base(state: BaseState) -> _Row:
     }
     if not state.board.connected:
         return _Row(_ERROR, state.reason or "the base board is not connected; plug in its cable", values)
-    return _Row(_WARN if state.reason else _OK, state.reason or ("armed" if state.armed else "not armed"), values)
+    # A robot that nobody drives is well, and also has a reason why it does not move.
+    return _Row(
+        _WARN if state.reason and state.armed else _OK,
+        state.reason or ("armed" if state.armed else "not armed"),
+        values,
+    )
 
 
 def _guard(state: GuardState) -> _Row:
     directions = {each: getattr(state, each) for each in ("forward", "backward", "turn_left", "turn_right")}
     values = {each: f"{verdict.freedom}, at most {verdict.allowed:.2f}" for each, verdict in directions.items()}
-    return _Row(_WARN if state.reason else _OK, state.reason or "commands pass", values)
+    return _Row(_WARN if state.reason and state.operator else _OK, state.reason or "commands pass", values)
 
 
 def _estop(stop: EStop) -> _Row:

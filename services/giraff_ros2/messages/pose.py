@@ -1,4 +1,4 @@
-"""Where the robot and its parts are, as ROS messages."""
+"""Places of the robot and its parts as ROS messages."""
 
 from __future__ import annotations
 

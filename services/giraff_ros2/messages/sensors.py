@@ -1,4 +1,4 @@
-"""What the robot and the operator's hand measure, as ROS messages. NaN stands for what is not known."""
+"""Measurements of the robot and of the operator's hand as ROS messages. NaN stands for what is not known."""
 
 from __future__ import annotations
 

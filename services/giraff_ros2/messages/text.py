@@ -12,5 +12,5 @@ def text(data: str) -> String:
 
 
 def truth(data: bool) -> Bool:
-    """Return whether."""
+    """Return a truth value."""
     return Bool(data)

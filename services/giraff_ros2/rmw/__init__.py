@@ -1,1 +1,1 @@
-"""What rmw_zenoh_cpp says on a Zenoh network: keys, tokens, QoS, attachments, and the session."""
+"""The words of rmw_zenoh_cpp on a Zenoh network: keys, tokens, QoS, attachments, and the session."""

@@ -1,9 +1,9 @@
-"""Who publishes and subscribes on a ROS network, as far as this node cares. No I/O."""
+"""Publishers and subscribers on a ROS network, as far as this node cares. No I/O."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Final
 
 from giraff_ros2.port import RosPublisher
@@ -20,11 +20,14 @@ _MOST: Final = 500
 class Graph:
     """Feed it each token that comes or goes, from any thread."""
 
-    def __init__(self, own: str, topics: Mapping[RosTopic, tuple[str, str]]) -> None:
-        """`own`: Zenoh id of this process. `topics`: full name and type hash of each topic that is listened to."""
+    def __init__(self, own: str, topics: Mapping[RosTopic, tuple[str, str]], published: Collection[str] = ()) -> None:
+        """`own`: Zenoh id of this process. `topics`: full name and type hash of each topic that is listened to.
+
+        `published`: full names of those that this node publishes.
+        """
         self._own = own
         self._topics = {(name, dds_type(topic.type), hash_): topic for topic, (name, hash_) in topics.items()}
-        self._names = {name for name, _, _ in self._topics}
+        self._names = {"MP": {name for name, _, _ in self._topics}, "MS": set(published)}
         self._lock = threading.Lock()
         self._entities: dict[str, Entity] = {}
         self.publishers: tuple[RosPublisher, ...] = ()
@@ -37,9 +40,7 @@ class Graph:
     def on_token(self, token: str, *, is_there: bool) -> None:
         """Take that a token is there, or is gone."""
         entity = entity_of(token)
-        if entity is None or entity.session == self._own or entity.kind not in ("MP", "MS"):
-            return
-        if entity.kind == "MP" and entity.name not in self._names:
+        if entity is None or entity.session == self._own or entity.name not in self._names.get(entity.kind, ()):
             return
         with self._lock:
             if not is_there:
@@ -56,6 +57,8 @@ class Graph:
                 publishers.append(RosPublisher(gid_of(token), _readable(entity.full_node), entity.session, topic))
             elif entity.kind == "MP":
                 self.trouble = _unheard(entity)
+        if len(self._entities) >= _MOST:
+            self.trouble = Trouble(f"more than {_MOST} publishers and subscribers are there, and not all are known")
         self.publishers = tuple(publishers)
         self.wanted = frozenset(entity.name for entity in self._entities.values() if entity.kind == "MS")
 

@@ -56,7 +56,7 @@ class Entity(NamedTuple):
     namespace: str
     node: str
     name: str = ""
-    """Of the topic or service, with its namespace; empty for a node."""
+    """Name of the topic or service, with its namespace; empty for a node."""
     type: str = ""
     """As keys have it."""
     type_hash: str = ""
@@ -97,14 +97,14 @@ def entity_of(token: str) -> Entity | None:
 
 
 class Attachment(NamedTuple):
-    """What each sample and each call carries beside its payload."""
+    """Each sample and each call carries it beside its payload."""
 
     sequence: int
     """From 1, without gaps."""
     sent_ns: int
     """Wall clock of the sender's host, ns since 1970."""
     gid: bytes
-    """Of the sender's publisher or client."""
+    """Id of the sender's publisher or client."""
 
     def encode(self) -> bytes:
         return _ATTACHMENT.pack(self.sequence, self.sent_ns, _GID_SIZE, self.gid)

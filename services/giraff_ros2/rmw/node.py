@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from itertools import count
 from typing import Any, Final
@@ -68,7 +68,7 @@ class _Call:
 class RosNode:
     """The robot's node. Whatever is called from Zenoh's threads only keeps what has come, and wakes the loop."""
 
-    def __init__(self, config: Ros2Config, published: Iterable[RosTopic]) -> None:
+    def __init__(self, config: Ros2Config, published: Collection[RosTopic]) -> None:
         """Open the session and declare all. `published`: topics without a `*`. Raises NoRosError."""
         self._config = config
         self._definitions = Definitions(config.distribution)
@@ -85,7 +85,7 @@ class RosNode:
         self._declared: list[Any] = []
         self._declare("NN")
         rows = {topic: (self._name_of(topic), self._definitions.hash_of(topic.type)) for topic in SUBSCRIBED}
-        self._graph = Graph(self._zid, rows)
+        self._graph = Graph(self._zid, rows, {self._name_of(topic) for topic in published})
         self._own = {topic: self._publisher(topic) for topic in published}
         for topic in SUBSCRIBED:
             self._subscribe(topic)
@@ -96,7 +96,7 @@ class RosNode:
 
     @property
     def way(self) -> RosSession:
-        """How ROS processes are met."""
+        """The session by which ROS processes are met."""
         return self._ros
 
     def descriptor(self) -> int | None:
@@ -206,7 +206,12 @@ class RosNode:
         self._declare("MS", topic)
 
     def _serve(self, service: RosTopic) -> None:
+        key = self._key_of(service)
+
         def on_query(query: zenoh.Query) -> None:
+            if str(query.key_expr) != key:
+                with query:
+                    return  # who asks everything on the network calls no service
             asked = attachment_of(bytes(query.attachment or b""))
             if asked is None:
                 with query:
@@ -219,7 +224,7 @@ class RosNode:
             self._calls.append(call)
             self._wake()
 
-        self._declared.append(self._session.declare_queryable(self._key_of(service), on_query, complete=True))
+        self._declared.append(self._session.declare_queryable(key, on_query, complete=True))
         self._declare("SS", service)
 
     def _wake(self) -> None:

@@ -16,10 +16,11 @@ import zenoh
 
 from giraff_core.network import host_and_port
 from giraff_node.network.session import close_session
+from giraff_ros2.config import endpoint
 from giraff_schemas.topics import CAMERA_PICTURES, ROOT
 
 OTHER_PORT: Final = 7460
-"""Where this is the router while a process that is no router listens at the port that was asked for."""
+"""Port of this router where a process that is no router listens at the one that was asked for."""
 _ANSWERS_WITHIN: Final = 1.0  # s; TCP, and then a router's greeting
 _LOOK: Final = 0.02  # s
 _OF_THIS_HOST: Final = ("127.0.0.1", "localhost", "::1", "0.0.0.0", "::")  # noqa: S104
@@ -51,15 +52,15 @@ class RosSession(NamedTuple):
 
     session: zenoh.Session
     port: int
-    """Of the router."""
+    """Port of the router."""
     is_router: bool
     """This session is the router itself."""
     host: str
-    """Of the router, as it was given."""
+    """Host of the router, as it was given."""
 
     @property
     def is_reached(self) -> bool:
-        """Whether the router is there."""
+        """Tell whether the router is there."""
         return self.is_router or bool(self.session.info.routers_zid())
 
 
@@ -72,21 +73,22 @@ def open_ros(address: str) -> RosSession:
     host, port = host_and_port(address)
     if not _is_own(host):
         return RosSession(zenoh.open(_config("peer", host, port)), port, is_router=False, host=host)
-    why = ""
+    why = []
     for each in dict.fromkeys((port, OTHER_PORT)):
         try:
             if not _is_answered(host, each):
                 return RosSession(zenoh.open(_config("router", host, each)), each, is_router=True, host=host)
             if (found := _peer(host, each)) is not None:
                 return found
-            why = f"a process that is no Zenoh router listens at {host}:{each}"
+            why.append(f"a process that is no Zenoh router listens at {host}:{each}")
         except zenoh.ZError as error:
-            why = f"no Zenoh router can be opened at {host}:{each}: {error}"
-    raise NoRosError(f"{why}; give the address of another port, like 127.0.0.1:7470, as `router` of [ros2]")
+            why.append(f"no Zenoh router can be opened at {host}:{each}: {error}")
+    told = ", and ".join(why)
+    raise NoRosError(f"{told}; give the address of another port, like 127.0.0.1:7470, as `router` of [ros2]")
 
 
 def _peer(host: str, port: int) -> RosSession | None:
-    """Return the session of a peer of a router; None: who answers is none."""
+    """Return the session of a peer of a router; None: no router answers."""
     found = RosSession(zenoh.open(_config("peer", host, port)), port, is_router=False, host=host)
     until = time.monotonic() + _ANSWERS_WITHIN
     while not found.is_reached:
@@ -99,7 +101,7 @@ def _peer(host: str, port: int) -> RosSession | None:
 
 def _config(mode: str, host: str, port: int) -> zenoh.Config:
     """Return a session's configuration as rmw_zenoh's own files have it, at one address."""
-    at = f"tcp/[{host}]:{port}" if ":" in host else f"tcp/{host}:{port}"
+    at = endpoint(host, port)
     is_router = mode == "router"
     config: dict[str, Any] = {
         "mode": mode,
@@ -122,7 +124,7 @@ def _is_answered(host: str, port: int) -> bool:
 
 
 def _is_own(host: str) -> bool:
-    """Whether this host has the address: a port of it can be bound."""
+    """Tell whether this host has the address: a port of it can be bound."""
     if host in _OF_THIS_HOST:
         return True
     with contextlib.suppress(OSError):

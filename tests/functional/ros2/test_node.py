@@ -6,6 +6,7 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from types import SimpleNamespace
 
 import pytest
 import zenoh
@@ -16,6 +17,7 @@ from giraff_node.network.session import close_session
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.messages.text import text
 from giraff_ros2.port import Received, Refused
+from giraff_ros2.rmw import node as rmw_node
 from giraff_ros2.rmw import session
 from giraff_ros2.rmw.definitions import Definitions
 from giraff_ros2.rmw.names import Attachment, Entity, dds_type, gid_of, key_of, qos_text
@@ -164,6 +166,20 @@ def test_who_publishes_is_known_heard_and_asked(port: int, node: RosNode) -> Non
     until(lambda: not list(node.publishers()))
 
 
+def test_an_answer_proves_that_a_process_was_awake_when_it_was_asked_and_not_later(
+    port: int, node: RosNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [1e6]  # s
+    monkeypatch.setattr(rmw_node, "time", SimpleNamespace(monotonic=lambda: clock[0], time_ns=time.time_ns))
+    with closing(Stranger(port)) as stranger:
+        _token, _gid = stranger.token("MP", CMD_VEL)
+        until(lambda: node._graph.publishers)
+        (publisher,) = node.publishers()
+        clock[0] = 2e6
+        until(lambda: node.answered(publisher.process) > 0.0)
+        assert node.answered(publisher.process) == 1e6
+
+
 def test_a_publisher_of_another_hash_is_named_and_not_heard(port: int, node: RosNode) -> None:
     with closing(Stranger(port)) as stranger:
         _token, gid = stranger.token("MP", CMD_VEL, "TypeHashNotSupported")
@@ -204,6 +220,9 @@ def test_a_latched_text_is_read_late_and_a_subscriber_is_seen(port: int, node: R
 
 def test_a_call_is_answered_with_its_own_number(port: int, node: RosNode) -> None:
     with closing(Stranger(port)) as stranger:
+        everything = stranger.session.get("0/**", attachment=Attachment(1, 1, bytes(16)).encode(), timeout=1.0)
+        assert not list(everything)
+        assert not list(node.calls())  # a wildcard asks everybody, and calls nobody
         asked = Attachment(41, 1, bytes(range(16)))
         replies = stranger.session.get(
             key(ESTOP), payload=b"\0\1\0\0\0", attachment=asked.encode(), target=zenoh.QueryTarget.ALL_COMPLETE

@@ -197,6 +197,14 @@ def test_a_goal_is_driven_to_and_then_turned_as_it_says(
     assert rviz.goals.is_active
 
 
+def test_a_goal_of_nobody_who_is_there_is_refused() -> None:
+    rviz = Rviz()
+    goal = PoseStamped(Header(Time(0, 0), "odom"), Pose(Point(2.0, 0.0, 0.0), Quaternion(0.0, 0.0, 0.0, 1.0)))
+    rviz.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, 0.0), 0.0, is_known=False)
+    assert rviz.run() == []
+    assert "is not there" in str(rviz.goals.trouble)
+
+
 def test_where_it_is_already_nothing_is_asked() -> None:
     rviz = Rviz()
     rviz.give(1.0, 0.01)
@@ -207,9 +215,9 @@ def test_where_it_is_already_nothing_is_asked() -> None:
 @pytest.mark.parametrize(
     ("goal", "why"),
     [
-        ({"x": math.nan, "y": 0.0}, "a number of it is none"),
-        ({"x": 0.0, "y": math.inf}, "a number of it is none"),
-        ({"x": 0.0, "y": 0.0, "yaw": math.nan}, "a number of it is none"),
+        ({"x": math.nan, "y": 0.0}, "a number of it is not finite"),
+        ({"x": 0.0, "y": math.inf}, "a number of it is not finite"),
+        ({"x": 0.0, "y": 0.0, "yaw": math.nan}, "a number of it is not finite"),
         ({"x": 2.0, "y": 0.0, "frame": "base_link"}, "'base_link'"),
         ({"x": 2.0, "y": 0.0, "frame": "map"}, "where the robot is in map"),
         ({"x": 2.0, "y": 0.0, "turned": Quaternion(0.0, 0.0, 0.0, 0.0)}, "no turn on the floor"),

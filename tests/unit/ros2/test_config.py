@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
+from unittest.mock import MagicMock
 
 import msgspec
 import pytest
 
 from giraff_cli.ros2.serve import config_of, tell
 from giraff_ros2.config import Ros2Config
+from giraff_ros2.main import shell_lines
+from giraff_ros2.rmw.session import RosSession
 
 
 @pytest.mark.parametrize("namespace", ["", "r1", "lab/r1", "_1/R_2"])
@@ -51,3 +54,19 @@ def test_a_shell_takes_all_that_is_printed(capsys: pytest.CaptureFixture[str]) -
     tell(["export ROS_DOMAIN_ID=7"])
     first, line = capsys.readouterr().out.splitlines()
     assert (first[0], line) == ("#", "export ROS_DOMAIN_ID=7")
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "line"),
+    [
+        ("127.0.0.1", 7447, ""),
+        ("127.0.0.1", 7460, 'connect/endpoints=["tcp/127.0.0.1:7460"]'),
+        ("::1", 7447, 'connect/endpoints=["tcp/[::1]:7447"]'),
+        ("192.168.1.5", 7447, 'mode="client";connect/endpoints=["tcp/192.168.1.5:7447"]'),
+    ],
+)
+def test_a_shell_of_ros_is_told_where_the_router_is(host: str, port: int, line: str) -> None:
+    way = RosSession(MagicMock(), port, is_router=True, host=host)
+    lines = shell_lines(Ros2Config(domain=3), way)
+    assert lines[:2] == ["export RMW_IMPLEMENTATION=rmw_zenoh_cpp", "export ROS_DOMAIN_ID=3"]
+    assert lines[2:] == ([f"export ZENOH_CONFIG_OVERRIDE='{line}'"] if line else [])

@@ -133,7 +133,9 @@ def test_answer_of_a_trigger_is_that_of_ros() -> None:
 
 
 def test_graph_tells_who_speaks_who_listens_and_who_is_not_heard() -> None:
-    graph = Graph("me", {CMD_VEL: ("/r1/cmd_vel", TWIST_HASH)})
+    graph = Graph("me", {CMD_VEL: ("/r1/cmd_vel", TWIST_HASH)}, {"/r1/odom"})
+    for number in range(600):  # a large system beside it
+        graph.on_token(TOKEN.replace("/MP/", "/MS/").replace("cmd_vel", f"other{number}"), is_there=True)
     graph.on_token(TOKEN, is_there=True)
     graph.on_token(TOKEN.replace("abc1", "me"), is_there=True)
     publisher = RosPublisher(gid_of(TOKEN), "/r1/teleop", "abc1", CMD_VEL)
@@ -166,3 +168,4 @@ def test_a_flood_of_tokens_is_bounded() -> None:
     for number in range(600):
         graph.on_token(TOKEN.replace("abc1", f"{number:x}"), is_there=True)
     assert len(graph.publishers) == 500
+    assert "not all are known" in str(graph.trouble)
