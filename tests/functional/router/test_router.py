@@ -111,10 +111,11 @@ def test_each_side_sees_who_is_on_the_other_and_nobody_poses_as_the_robot(world:
 
 
 def test_the_router_says_who_is_here_and_who_may_do_nothing(world: Fleet) -> None:
-    said = world.behind.router_log.read_text()
-    for host, (site, _) in PLACES.items():
-        assert f"{host} is here, from tls/{world.behind.address(site)}" in said
-    assert "unnamed: has a certificate, but no part in any [router.robots]" in said
+    said = world.behind.router_log.read_text
+    told = [f"{host} is here, from tls/{world.behind.address(site)}" for host, (site, _) in PLACES.items()]
+    told.append("unnamed: has a certificate, but no part in any [router.robots]")
+    # Links are looked at now and then, and the test may come before the next look.
+    wait(lambda: all(each in said() for each in told), PATIENCE, what=said)
 
 
 def require_a_link_of_one_who_came_later(world: Fleet) -> None:
