@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple
 
 import zenoh
 
+from giraff_core.motion.held import HeldMotion
 from giraff_core.motion.requester import MotionRequester
 from giraff_core.motion.result import MotionResult
 from giraff_core.timer import Timer
@@ -19,8 +20,8 @@ from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.node import Publisher
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample, Tick
-from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionGo, MotionState, Step
-from giraff_schemas.topics import MOTION, MOTION_CANCEL, MOTION_GO, MOTION_HOLD, TICK, Topic, key_of
+from giraff_schemas.motion import MotionState, Step
+from giraff_schemas.topics import MOTION, MOTION_HOLD, TICK, Query, Topic, key_of
 
 TURN: Final = 0.01
 """s between two turns."""
@@ -45,7 +46,6 @@ class MotionClient:
 
     def __init__(self, session: zenoh.Session, robot: str, by: str, wish: Wish) -> None:
         """`by`: whom to name to those who ask who it was."""
-        self._session, self._robot, self._wish = session, robot, wish
         instance = secrets.token_hex(8)
         self._requester = MotionRequester(secrets.randbits(63) or 1, by, instance)
         self._tuning = Timer(_TUNE_HZ)
@@ -53,9 +53,12 @@ class MotionClient:
         self._declared: list[Any] = [
             session.declare_subscriber(key_of(robot, topic), self._hearer(topic)) for topic in (TICK, MOTION)
         ]
-        self._holds = Publisher(session, robot, MOTION_HOLD, instance)
-        self._asking: QueryClient[MotionGo, MotionAnswer] | None = None
-        self._cancelling: QueryClient[MotionCancel, MotionAnswer] | None = None
+
+        def ask(query: Query[Any, Any], request: Any) -> QueryClient[Any, Any]:
+            return QueryClient(session, robot, query, request)
+
+        holds = Publisher(session, robot, MOTION_HOLD, instance)
+        self._held = HeldMotion(self._requester, ask, holds.put, *wish)
 
     @property
     def state(self) -> MotionState | None:
@@ -65,35 +68,21 @@ class MotionClient:
     @property
     def has_asked(self) -> bool:
         """It has heard the robot, and has asked."""
-        return self._asking is not None
+        return self._held.has_asked
 
     def turn(self, now: float) -> MotionResult | None:
         """How it has ended, or why it is given up; None: it goes on. Raises ValueError for a wish of no numbers.
 
         `now`: s of the monotonic clock.
         """
-        requester = self._requester
         if self._tuning.due(now):
             set_tcp_options()
         self._take()
-        if self._cancelling is not None:
-            self._cancelling.poll(now)
-        elif self._asking is not None:
-            if (answer := self._asking.poll(now)) is not None:
-                requester.on_answer(answer, now)
-            requester.on_fault(self._asking.fault)
-        elif (request := requester.ask(now, *self._wish)) is not None:
-            self._asking = QueryClient(self._session, self._robot, MOTION_GO, request)
-            self._asking.poll(now)
-        if (hold := requester.hold(now)) is not None:
-            self._holds.put(hold)
-        return requester.result(now)
+        return self._held.turn(now)
 
     def cancel(self, now: float) -> None:
         """Let go of it, and ask for its end; `turn` tells of it."""
-        request = self._requester.cancel(now)
-        if self._cancelling is None:
-            self._cancelling = QueryClient(self._session, self._robot, MOTION_CANCEL, request)
+        self._held.cancel(now)
 
     def close(self) -> None:
         """Listen no more."""

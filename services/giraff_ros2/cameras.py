@@ -1,4 +1,4 @@
-"""Shows ROS what the robot's cameras see, as long as somebody of ROS subscribes: no camera is on for nobody."""
+"""Shows ROS what the robot's cameras see, as long as a ROS program subscribes, and no longer."""
 
 from __future__ import annotations
 

@@ -9,6 +9,7 @@ import math
 from typing import Any, Final
 
 from giraff_core.io import IO
+from giraff_core.motion.held import HeldMotion
 from giraff_core.motion.requester import MotionRequester
 from giraff_core.retry import RetriedRequest
 from giraff_ros2.port import Received
@@ -18,7 +19,7 @@ from giraff_schemas.messages import Odometry, Sample, Tick
 from giraff_schemas.motion import GoTo, MotionState, Step, Turn
 from giraff_schemas.services import MOTION as MOTION_SERVICE
 from giraff_schemas.text import printable
-from giraff_schemas.topics import MOTION_CANCEL, MOTION_GO, MOTION_HOLD
+from giraff_schemas.topics import MOTION_HOLD, Query
 from giraff_schemas.trouble import WELL, Trouble
 
 _NEAR: Final = 0.05  # m; a goal so near is a turn alone
@@ -44,9 +45,7 @@ class Goals:
         self._goal: tuple[str, float, float, float] | None = None  # frame, x, y, yaw
         self._given_at = -math.inf
         self._requester: MotionRequester | None = None
-        self._steps: tuple[Step, ...] = ()
-        self._asking: RetriedRequest[Any] | None = None
-        self._cancelling: RetriedRequest[Any] | None = None
+        self._motion: HeldMotion | None = None
         self._trouble, self._told_at = WELL, -math.inf
         self._now = math.inf  # of the last turn; there was none
         self._woke_at = -math.inf
@@ -54,14 +53,14 @@ class Goals:
     @property
     def is_active(self) -> bool:
         """Tell whether a goal is driven to, or is about to be."""
-        return self._goal is not None or self._requester is not None
+        return self._goal is not None or self._motion is not None
 
     @property
     def trouble(self) -> Trouble:
         """Why the newest goal is not driven to; WELL: it is, or was, or there was none lately."""
         return self._trouble if self._now - self._told_at < _TOLD_FOR else WELL
 
-    def on_goal(self, received: Received, now: float, *, is_known: bool = True) -> None:
+    def on_goal(self, received: Received, now: float, *, is_known: bool) -> None:
         """Take a goal. It replaces the one before it. `is_known`: its publisher is there now."""
         pose, frame = received.message.pose, received.message.header.frame_id
         at, turned = pose.position, pose.orientation
@@ -91,10 +90,9 @@ class Goals:
         if self._goal is not None:
             self._goal = None
             self._tell(why, now)
-        if self._requester is not None and self._cancelling is None:
+        if self._motion is not None and not self._motion.is_cancelled:
             self._tell(why, now)
-            request = self._requester.cancel(now)
-            self._cancelling = self._io.ask(MOTION_CANCEL, request, lambda _: True)
+            self._motion.cancel(now)
 
     def on_tick(self, tick: Tick, now: float) -> None:
         """Take the robot's clock."""
@@ -117,8 +115,8 @@ class Goals:
         """Ask, hold and end. `driver`: name of the operator that holds the lease; empty: none."""
         self._has_just_woken(now)
         self._now = now
-        if self._requester is not None:
-            self._go_on(self._requester, now)
+        if self._motion is not None:
+            self._go_on(self._motion, now)
         elif self._goal is not None:
             self._begin(*self._goal, now, driver)
 
@@ -143,29 +141,20 @@ class Goals:
             self.cancel(f"nobody knows where the robot is in {frame}", now)
             return
         self._goal = None
-        self._steps = _steps(pose, frame, x, y, yaw)
-        if self._steps:
+        if steps := _steps(pose, frame, x, y, yaw):
             self._requester = MotionRequester(self._io.token(), self._by, self._io.instance)
-            self._asking = self._cancelling = None
+            self._motion = HeldMotion(self._requester, self._ask, self._holds.put, steps)
 
-    def _go_on(self, requester: MotionRequester, now: float) -> None:
-        if self._cancelling is not None:
-            self._cancelling.poll(now)
-        elif self._asking is not None:
-            if (answer := self._asking.poll(now)) is not None:
-                requester.on_answer(answer, now)
-            requester.on_fault(self._asking.fault)
-        elif self._is_late(now):
-            self._requester = None
+    def _ask(self, query: Query[Any, Any], request: Any) -> RetriedRequest[Any]:
+        return self._io.ask(query, request, lambda _: True)
+
+    def _go_on(self, motion: HeldMotion, now: float) -> None:
+        if not (motion.has_asked or motion.is_cancelled) and self._is_late(now):
+            self._requester = self._motion = None
             self._tell("the robot is not heard; give it again when it is", now)
-            return
-        elif (request := requester.ask(now, self._steps)) is not None:
-            self._asking = self._io.ask(MOTION_GO, request, lambda _: True)
-        if (hold := requester.hold(now)) is not None:
-            self._holds.put(hold)
-        if (result := requester.result(now)) is not None:
-            self._requester = None
-            if not (result.arrived or self._cancelling):
+        elif (result := motion.turn(now)) is not None:
+            self._requester = self._motion = None
+            if not (result.arrived or motion.is_cancelled):
                 self._tell(result.reason, now)
 
     def _tell(self, why: str, now: float) -> None:

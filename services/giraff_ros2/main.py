@@ -70,7 +70,7 @@ def shell_lines(config: Ros2Config, way: RosSession) -> list[str]:
         lines.append(f"export ROS_DOMAIN_ID={config.domain}")
     if (way.host, way.port) not in _ROS_OWN:
         host = min(host_addresses(), default="127.0.0.1") if way.host in _EVERY_ADDRESS else way.host
-        # ROS programs of another host listen on their own loopback alone: their router must be what they hear all by.
+        # ROS programs listen on their own host's loopback alone, so those of another host hear all through the router.
         mode = "" if host in _LOOPBACK else 'mode="client";'
         lines.append(f"export ZENOH_CONFIG_OVERRIDE='{mode}connect/endpoints=[\"{endpoint(host, way.port)}\"]'")
     return lines

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
+from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__String as String
+
 from giraff_core.latest import LatestSamples
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
@@ -13,7 +15,6 @@ from giraff_ros2.cameras import Cameras, OpenSource
 from giraff_ros2.messages import pose, sensors
 from giraff_ros2.messages.diagnostics import diagnostics
 from giraff_ros2.messages.occupancy import occupancy
-from giraff_ros2.messages.text import text
 from giraff_ros2.messages.urdf import urdf
 from giraff_ros2.port import RosPort
 from giraff_ros2.topics import RosTopic
@@ -43,7 +44,7 @@ class RobotInRos:
         self._timer = Timer(_DIAGNOSTICS_HZ)
         self._cameras = Cameras(robot, port, open_source, by)
         self._walls: object = None
-        port.publish(ros.ROBOT_DESCRIPTION, text(urdf(robot)))
+        port.publish(ros.ROBOT_DESCRIPTION, String(urdf(robot)))
         port.publish(ros.TF_STATIC, pose.static_transforms(robot, port.wall_ns()))
 
     def on_sample(self, sample: Sample, now: float) -> None:
@@ -52,7 +53,7 @@ class RobotInRos:
         self._say(sample)
 
     def turn(self, now: float) -> None:
-        """Say what nobody has said just now."""
+        """Say what is due by time: diagnostics, and pictures of cameras."""
         if self._timer.due(now):
             told = diagnostics(self._ros.wall_ns(), self._robot.name, self._newest, round(now * 1e9))
             self._ros.publish(ros.DIAGNOSTICS, told)

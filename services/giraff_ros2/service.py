@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Bool as Bool
+
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.operator import OperatorService
@@ -14,7 +16,6 @@ from giraff_ros2.config import Ros2Config
 from giraff_ros2.estop import StopCalls
 from giraff_ros2.goal import Goals
 from giraff_ros2.hand.twist_hand import TwistHand
-from giraff_ros2.messages.text import truth
 from giraff_ros2.port import Received, Refused, RosPort
 from giraff_ros2.robot_in_ros import RobotInRos
 from giraff_ros2.topics import ESTOP_ENGAGED, GOAL_POSE
@@ -74,7 +75,7 @@ class Ros2(OperatorService):
             self._stops.on_call(call, now)
         self._stops.poll(now)
         if (engaged := self._stops.news()) is not None:
-            self._ros.publish(ESTOP_ENGAGED, truth(engaged))
+            self._ros.publish(ESTOP_ENGAGED, Bool(engaged))
         if self._stops.asked:
             self._goals.cancel("a stop was asked for", now)
         self._goals.turn(now, self._twists.operator.holder)

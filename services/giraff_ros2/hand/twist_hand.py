@@ -141,6 +141,6 @@ class TwistHand(Hand):
 
 def _asleep(node: str) -> Trouble:
     return Trouble(
-        f"the process of {node} did not answer for {ANSWERS:g} s, and may be or have been frozen",
+        f"the process of {node} did not answer for {ANSWERS:g} s, and may have been frozen",
         f"look at it; then {_LET_REST}",
     )

@@ -12,10 +12,10 @@ import pytest
 import zenoh
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Twist as Twist
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Vector3 as Vector3
+from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__String as String
 
 from giraff_node.network.session import close_session
 from giraff_ros2.config import Ros2Config
-from giraff_ros2.messages.text import text
 from giraff_ros2.port import Received, Refused
 from giraff_ros2.rmw import node as rmw_node
 from giraff_ros2.rmw import session
@@ -197,8 +197,8 @@ def test_a_publisher_of_another_hash_is_named_and_not_heard(port: int, node: Ros
 
 
 def test_a_latched_text_is_read_late_and_a_subscriber_is_seen(port: int, node: RosNode) -> None:
-    node.publish(ROBOT_DESCRIPTION, text("<robot/>"))
-    node.publish(ROBOT_DESCRIPTION, text("<robot name='r'/>"))
+    node.publish(ROBOT_DESCRIPTION, String("<robot/>"))
+    node.publish(ROBOT_DESCRIPTION, String("<robot name='r'/>"))
     with closing(Stranger(port)) as stranger:
         read: list[str] = []
 

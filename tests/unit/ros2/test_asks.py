@@ -141,7 +141,7 @@ class Rviz:
     def give(self, x: float, y: float, yaw: float = 0.0, frame: str = "odom", turned: Quaternion | None = None) -> None:
         rotation = turned or Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
         goal = PoseStamped(Header(Time(0, 0), frame), Pose(Point(x, y, 0.0), rotation))
-        self.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, self.now), self.now)
+        self.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, self.now), self.now, is_known=True)
 
     def run(self, seconds: float = 0.1, driver: str = "") -> list[msgspec.Struct]:
         """What was asked meanwhile."""
