@@ -21,6 +21,8 @@ _FOREIGN_SHARE: Final = 0.25
 _SERIES: Final = 7 * 86_400.0
 """s before the newest file in which the first file of a kind is kept."""
 _ARMED_LATELY: Final = 2.0  # s
+_GRAVEST_FIRST: Final = ("estop", "board", "gone", "fault")
+"""Kinds of events. The gravest in a file gives it its name: whoever looks for an emergency stop finds it by name."""
 
 
 class Memory:
@@ -94,7 +96,8 @@ class IncidentDetector:
         self._board: tuple[bool, str] | None = None
         self._armed_at = float("-inf")
         self._unwell: dict[str, str] = {}
-        self._event: tuple[float, str, str] | None = None
+        self._events: dict[str, tuple[float, str]] = {}
+        """The first of each kind that no file has yet: kind -> when, and what."""
         self._written_at = float("-inf")
 
     def on_estop(self, estop: EStop, now: float) -> None:
@@ -129,20 +132,22 @@ class IncidentDetector:
 
     def due(self, now: float) -> Incident | None:
         """What is to be written now, once; None: nothing."""
-        if self._event is None:
+        kinds = [kind for kind in _GRAVEST_FIRST if kind in self._events]
+        if not kinds:
             return None
-        at, kind, text = self._event
+        gravest, _ = self._events[kinds[0]]
+        first = min(at for at, _ in self._events.values())
         config = self._config
         # Not before all that is in memory is new: what repeats itself costs no second file of the same minute.
-        if now < max(at + config.after, self._written_at + config.before):
+        if now < max(gravest + config.after, self._written_at + config.before):
             return None
-        since = max(at - config.before, self._written_at)
-        self._event, self._written_at = None, now
-        return Incident(kind, text, round(since * 1e9))
+        since = max(first - config.before, self._written_at)
+        text = "; ".join(self._events[kind][1] for kind in kinds)
+        self._events, self._written_at = {}, now
+        return Incident(kinds[0], text, round(since * 1e9))
 
     def _tell(self, now: float, kind: str, text: str) -> None:
-        if self._event is None:
-            self._event = now, kind, text
+        self._events.setdefault(kind, (now, text))
 
 
 class IncidentFile(NamedTuple):

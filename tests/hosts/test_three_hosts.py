@@ -168,7 +168,10 @@ def recorded_is_the_emergency_stop(lab: Lab, place: Path, before: set[str]) -> N
         files[:] = [place / "incidents" / name for name in new if name.endswith("-estop.mcap")]
         return bool(files) and files[0].read_bytes().endswith(_END_OF_A_WHOLE_ONE)
 
-    wait(written, PATIENCE, what="a recording of the emergency stop", every=0.5)
+    def told() -> str:
+        return f"a recording of the emergency stop\n{lab.compose('robot', 'logs', 'recorder')}"
+
+    wait(written, PATIENCE, what=told, every=0.5)
     recording = Recording(files[0])
     assert ": a cat" in recording.about["incident"]
     assert {"odom", "wheels", "estop", "guard"} <= set(recording.keys)

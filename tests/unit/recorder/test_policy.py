@@ -120,6 +120,19 @@ def test_a_service_that_goes_is_one_while_the_robot_is_armed(service: str, armed
     assert (incidents.due(50.0) is not None) == is_one
 
 
+def test_an_emergency_stop_amid_smaller_events_names_the_file_and_has_its_own_time_after() -> None:
+    """A busy robot tells of a fault shortly before, and whoever looks for the stop looks for its name."""
+    incidents = IncidentDetector(CONFIG)
+    incidents.on_estop(estop(engaged=False), 90.0)
+    incidents.on_health(health(), 90.0)
+    incidents.on_health(health("late"), 100.0)
+    incidents.on_estop(estop(engaged=True), 103.0)
+    at, incident = first_due(incidents, 103.0, 200.0)
+    assert at == pytest.approx(108.0, abs=0.2)
+    assert incident == Incident("estop", "emergency stop by anna: a cat; guard: late", 40_000_000_000)
+    assert incidents.due(1000.0) is None
+
+
 @given(st.lists(st.tuples(st.integers(0, 10_000_000_000), st.integers(0, 3000)), max_size=60))
 def test_memory_is_bounded_in_time_and_bytes(steps: list[tuple[int, int]]) -> None:
     memory = Memory(RecorderConfig(before=20.0, after=1.0, memory=10_000))
