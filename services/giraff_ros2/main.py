@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable
 from contextlib import closing
@@ -60,7 +61,9 @@ def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> N
         sys.exit(_REFUSED)
     with closing(ros):
         announce(shell_lines(node.config, ros.way))
-        node.run(Ros2(node, node.config, node.robot, ros, look), prompt=True)
+        service = Ros2(node, node.config, node.robot, ros, look)
+        gc.freeze()  # what stays, of which the ROS libraries have much, is not looked through again and again
+        node.run(service, prompt=True)
 
 
 def shell_lines(config: Ros2Config, way: RosSession) -> list[str]:
