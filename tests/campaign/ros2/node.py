@@ -11,6 +11,7 @@ message as time of arrival, stamp in ns and values. `call`: /giraff/estop. `driv
 from __future__ import annotations
 
 import json
+import os
 import sys
 import threading
 import time
@@ -104,7 +105,9 @@ class Talker:
             self.publish()
 
 
+answers = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)  # whatever ROS's libraries say on standard output is no answer
 talker = Talker()
 for line in sys.stdin:
     word, *values = line.split()
-    print(json.dumps(getattr(talker, word)(*values), default=int), flush=True)
+    print(json.dumps(getattr(talker, word)(*values), default=int), file=answers, flush=True)
