@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from giraff_ros2.cameras import PictureSource
     from giraff_ros2.rmw.session import RosSession
 
-_LIBRARIES: Final = ("numpy", "rosbags", "xxhash")
+LIBRARIES: Final = ("numpy", "rosbags", "xxhash")
+"""Libraries of the extra `ros2` that are imported."""
 _REFUSED: Final = 2
 _ROS_OWN: Final = (("localhost", 7447), ("127.0.0.1", 7447))
 """Where ROS processes look for their router unless somebody says otherwise."""
@@ -37,7 +38,7 @@ def main() -> None:
 
 def missing_library() -> str:
     """Name what is to be installed before `run_ros2` can be called; empty: all is there."""
-    missing = [library for library in _LIBRARIES if find_spec(library) is None]
+    missing = [library for library in LIBRARIES if find_spec(library) is None]
     return f"the library {missing[0]} is missing; {remedy('ros2')}" if missing else ""
 
 

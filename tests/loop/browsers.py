@@ -26,7 +26,7 @@ from giraff_web.config import WebConfig
 from giraff_web.messages import FromPage, Hello, Input, LetGo, Looking, PageWish, Reading, Refused, Reset, State, ToPage
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 from giraff_web.service import Web
-from tests.loop.loops import COARSE_STEP_US, GRAVITY, SETTINGS
+from tests.loop.loops import COARSE_STEP_US, GRAVITY, SETTINGS, SeenRobot
 from tests.sim.robots import EXACT, proving_room
 from tests.support.robots import ROBOT
 
@@ -219,11 +219,12 @@ class _Frames:
         """Nothing is left to say."""
 
 
-class Room:
+class Room(SeenRobot):
     """A robot whose sensors have all been heard, at rest, and nobody but pages to drive it."""
 
     def __init__(self, loop: ClosedLoop, network: FaultyNetwork) -> None:
-        self.loop, self.network = loop, network
+        super().__init__(loop)
+        self.network = network
         self.browsers = Browsers()
         self.log: list[str] = []
         self.start_web()
@@ -240,30 +241,14 @@ class Room:
         return Web(process, WebConfig(), ROBOT, self.browsers, self.log.append)
 
     @property
-    def now(self) -> float:
-        """Simulated s."""
-        return self.loop.simulation.now_us * 1e-6
-
-    @property
     def links(self) -> tuple[Link, Link]:
         """Between the web service's machine and the robot's, both ways."""
         operator, robot = self.loop.hosts["operator"], self.loop.hosts["robot"]
         return self.network.link(operator, robot), self.network.link(robot, operator)
 
-    @property
-    def driver(self) -> str:
-        return str(self.loop.newest["lease"].operator)
-
-    @property
-    def armed(self) -> bool:
-        return bool(self.loop.newest["base"].armed)
-
     def is_stopped(self) -> bool:
         """By an emergency stop."""
         return bool(self.loop.newest["estop"].engaged)
-
-    def run(self, seconds: float) -> None:
-        self.loop.run(seconds)
 
     def drive(self, browser: Browser) -> None:
         """From the touch until it moves."""

@@ -34,6 +34,30 @@ _SAYS_ANEW: Final = 0.5
 """s after which what base has told last is of now, even if it was started just now."""
 
 
+class SeenRobot:
+    """A robot in simulated time, and what tests ask of it most."""
+
+    def __init__(self, loop: ClosedLoop) -> None:
+        self.loop = loop
+
+    @property
+    def now(self) -> float:
+        """Simulated s."""
+        return self.loop.simulation.now_us * 1e-6
+
+    @property
+    def driver(self) -> str:
+        """Who holds the lease."""
+        return str(self.loop.newest["lease"].operator)
+
+    @property
+    def armed(self) -> bool:
+        return bool(self.loop.newest["base"].armed)
+
+    def run(self, seconds: float) -> None:
+        self.loop.run(seconds)
+
+
 def drawn(seed: int) -> Truth:
     """A robot that nobody has calibrated."""
     return draw_truth("uncalibrated", SimConfig().truth, seed)

@@ -49,7 +49,7 @@ from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Room
-from tests.loop.loops import COARSE_STEP_US, SETTINGS
+from tests.loop.loops import COARSE_STEP_US, SETTINGS, SeenRobot
 from tests.loop.people import REPEAT, Desk, Stopper
 from tests.sim.robots import EXACT, proving_room
 from tests.support.robots import ROBOT
@@ -105,20 +105,15 @@ class Requester:
         """Nothing is left to say."""
 
 
-class Stage:
+class Stage(SeenRobot):
     """A robot whose sensors have all been heard, at rest, with nobody driving it."""
 
     def __init__(self, loop: ClosedLoop, network: FaultyNetwork) -> None:
-        self.loop = loop
+        super().__init__(loop)
         self.network = network
         self._desk = Desk()
         self._ids = count(1)
         self.start_requester()
-
-    @property
-    def now(self) -> float:
-        """Simulated s."""
-        return self.loop.simulation.now_us * 1e-6
 
     @property
     def state(self) -> MotionState:
@@ -142,9 +137,6 @@ class Stage:
 
     def start_stopper(self) -> None:
         self.loop.launch("stopper", self._make_stopper, self.loop.hosts["operator"])
-
-    def run(self, seconds: float) -> None:
-        self.loop.run(seconds)
 
     def ask(self, kind: type[MotionRequest], **fields: Any) -> MotionRequest:
         """Ask for a motion, and wait for the answer."""

@@ -21,7 +21,7 @@ from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.hand import StillHand
-from tests.loop.loops import closed_loop
+from tests.loop.loops import SeenRobot, closed_loop
 from tests.loop.people import REPEAT, Desk, Stopper
 from tests.sim.robots import proving_room
 from tests.support.robots import BASE, ROBOT
@@ -67,11 +67,11 @@ class RunInPart:
         """Nothing is left to say."""
 
 
-class Scene:
+class Scene(SeenRobot):
     """A demonstration that drives, a keyboard that merely runs, and an emergency stop at hand."""
 
     def __init__(self, loop: ClosedLoop, every: float) -> None:
-        self.loop = loop
+        super().__init__(loop)
         self._desk = Desk()
         self.run_in_part = self._launch("run", lambda process: RunInPart(process, every))
         self._launch("keyboard", lambda process: Keyboard(process, KeyboardConfig(), ROBOT, self._desk))
@@ -88,25 +88,8 @@ class Scene:
         return made[0]
 
     @property
-    def now(self) -> float:
-        """Simulated s."""
-        return self.loop.simulation.now_us * 1e-6
-
-    @property
-    def driver(self) -> str:
-        """Who holds the lease."""
-        return str(self.loop.newest["lease"].operator)
-
-    @property
-    def armed(self) -> bool:
-        return bool(self.loop.newest["base"].armed)
-
-    @property
     def grip(self) -> Grip:
         return self.run_in_part.grips[-1][1]
-
-    def run(self, seconds: float) -> None:
-        self.loop.run(seconds)
 
     def hold(self, key: bytes, seconds: float) -> None:
         """Hold a key of the keyboard down."""

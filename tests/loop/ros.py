@@ -24,6 +24,7 @@ from giraff_ros2.service import Ros2
 from giraff_ros2.topics import CMD_VEL, GOAL_POSE, RosTopic
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_sim.hosts.process import Process
+from tests.loop.loops import SeenRobot
 from tests.loop.motions import Stage, stage
 from tests.support.robots import ROBOT
 
@@ -55,7 +56,7 @@ class Program:
 
 
 class RosDesk:
-    """A ROS network as the service sees it, which asks each process five times a second."""
+    """A ROS network as the service sees it, which asks each process, and has each answer 0.15 s later."""
 
     def __init__(self) -> None:
         self.programs: list[Program] = []
@@ -141,11 +142,12 @@ class _Programs:
         """Nothing is left to say."""
 
 
-class RosStage:
+class RosStage(SeenRobot):
     """A robot at rest, with giraff_motion, and nobody but ROS to drive it."""
 
     def __init__(self, on: Stage) -> None:
-        self.stage, self.loop = on, on.loop
+        super().__init__(on.loop)
+        self.stage = on
         self.desk = RosDesk()
         self.start()
         self.loop.launch("programs", lambda _: _Programs(self), self.loop.hosts["operator"])
@@ -175,22 +177,6 @@ class RosStage:
         program.asks = (0.3, 0.0)
         self.run(0.6)
         assert self.stage.driven_ms(self.now - 0.1) > 90, self.why
-
-    def run(self, seconds: float) -> None:
-        self.loop.run(seconds)
-
-    @property
-    def now(self) -> float:
-        """Simulated s."""
-        return self.stage.now
-
-    @property
-    def driver(self) -> str:
-        return str(self.loop.newest["lease"].operator)
-
-    @property
-    def armed(self) -> bool:
-        return bool(self.loop.newest["base"].armed)
 
     @property
     def why(self) -> str:

@@ -40,7 +40,9 @@ def ros2(
 
     Exit code: 0; 1 it failed; 2 there is no robot that tells its limits, or no way to ROS.
     """
-    for library in ("numpy", "rosbags", "xxhash"):
+    from giraff_ros2.main import LIBRARIES  # noqa: PLC0415
+
+    for library in LIBRARIES:
         require_extra("ros2", library, "cli,ros2")
     from giraff_cli.ros2.serve import serve  # noqa: PLC0415
 
