@@ -8,14 +8,18 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from giraff_core.freshness import age
 from giraff_core.io import IO
 from giraff_core.motion.held import HeldMotion
 from giraff_core.motion.requester import MotionRequester
+from giraff_core.operator import RobotLink
 from giraff_core.retry import RetriedRequest
+from giraff_ros2.answers import Answers
+from giraff_ros2.hand.clock import OLD, PublisherClock
 from giraff_ros2.port import Received
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import Odometry, Sample, Tick
+from giraff_schemas.messages import Odometry, RobotTime, Sample, Tick
 from giraff_schemas.motion import GoTo, MotionState, Step, Turn
 from giraff_schemas.services import MOTION as MOTION_SERVICE
 from giraff_schemas.text import printable
@@ -28,8 +32,9 @@ _LEVEL: Final = 0.05  # of a quaternion's x and y
 _BEGINS_WITHIN: Final = 3.0
 """s after which a goal is too old to be asked for. The lease of this service's own hand ends after 1 s."""
 _POSE_COUNTS: Final = 1.0  # s
-_STOOD_STILL: Final = 1.0
-"""s between two turns after which this process was frozen or suspended: a goal that comes then may be an old one."""
+AWAKE: Final = 1.0
+"""s for which the process of a goal's publisher must have been awake before the goal came."""
+_MOST: Final = 32  # publishers whose clocks are remembered
 _TOLD_FOR: Final = 30.0
 """s for which the end of a motion is told that has not arrived."""
 
@@ -47,8 +52,11 @@ class Goals:
         self._requester: MotionRequester | None = None
         self._motion: HeldMotion | None = None
         self._trouble, self._told_at = WELL, -math.inf
-        self._now = math.inf  # of the last turn; there was none
-        self._woke_at = -math.inf
+        self._now = -math.inf  # of the last turn
+        self._clocks: dict[bytes, PublisherClock] = {}  # by the publisher's id
+        self._link = RobotLink()
+        self._given_tick: RobotTime | None = None
+        """The robot's newest when the goal came. Nothing renews it."""
 
     @property
     def is_active(self) -> bool:
@@ -60,8 +68,8 @@ class Goals:
         """Why the newest goal is not driven to; WELL: it is, or was, or there was none lately."""
         return self._trouble if self._now - self._told_at < _TOLD_FOR else WELL
 
-    def on_goal(self, received: Received, now: float, *, is_known: bool) -> None:
-        """Take a goal. It replaces the one before it. `is_known`: its publisher is there now."""
+    def on_goal(self, received: Received, answers: Answers | None, now: float) -> None:
+        """Take a goal. It replaces the one before it. `answers`: of its publisher's process; None: it is not there."""
         pose, frame = received.message.pose, received.message.header.frame_id
         at, turned = pose.position, pose.orientation
         norm = math.hypot(turned.z, turned.w)
@@ -71,15 +79,13 @@ class Goals:
             self._tell(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
         elif max(abs(turned.x), abs(turned.y)) > _LEVEL or not 0.9 < norm < 1.1:
             self._tell("its orientation is no turn on the floor", now)
-        elif not is_known:
-            self._tell("whoever gave it is not there; give it again", now)
-        elif self._has_just_woken(now):
-            self._tell("giraff_ros2 stood still, and the goal may be an old one; give it again", now)
+        elif why := self._age_fault(received, answers, now):
+            self._tell(f"{why}; give it again", now)
         else:
             self.cancel("another goal was given", now)
             self._trouble = WELL
             self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w)
-            self._given_at = now
+            self._given_at, self._given_tick = received.at, self._link.tick
 
     def on_refused(self, trouble: Trouble, now: float) -> None:
         """Take that a sample was no goal."""
@@ -96,6 +102,7 @@ class Goals:
 
     def on_tick(self, tick: Tick, now: float) -> None:
         """Take the robot's clock."""
+        self._link.on_tick(tick, now)
         if self._requester is not None:
             self._requester.on_tick(tick, now)
 
@@ -113,22 +120,39 @@ class Goals:
 
     def turn(self, now: float, driver: str) -> None:
         """Ask, hold and end. `driver`: name of the operator that holds the lease; empty: none."""
-        self._has_just_woken(now)
         self._now = now
         if self._motion is not None:
             self._go_on(self._motion, now)
         elif self._goal is not None:
             self._begin(*self._goal, now, driver)
 
-    def _has_just_woken(self, now: float) -> bool:
-        """Return whether this process stood still until lately, as its own turns show."""
-        if now - self._now > _STOOD_STILL:
-            self._woke_at = now
-        return now - self._woke_at < _STOOD_STILL
+    def _age_fault(self, received: Received, answers: Answers | None, now: float) -> str:
+        """Return why nobody knows that a goal was given just now; empty: it was.
+
+        The publisher's clock tells that a goal is later than others. It says nothing of the first one, nor of a click
+        that a frozen process publishes when it wakes, with the time of then. Its answers do.
+        """
+        if answers is None:
+            return "whoever gave it is not there"
+        if received.gid not in self._clocks and len(self._clocks) >= _MOST:
+            del self._clocks[next(iter(self._clocks))]
+        clock = self._clocks.setdefault(received.gid, PublisherClock())
+        if clock.lateness(received.sent_ns, received.at) > OLD:
+            return f"it is more than {OLD:g} s older than those before it, or the clock of its host was set back"
+        if math.isinf(answers.newest):
+            return "its process answers no question, as those of rmw_zenoh do, and nobody knows how old it is"
+        if received.at - answers.prompt_since(received.at) < AWAKE:
+            return f"its process has not been seen awake for {AWAKE:g} s without a break, and it may be an old one"
+        return "the robot is not heard" if self._link.link_fault(now) else ""
 
     def _is_late(self, now: float) -> bool:
-        """Return whether the newest goal is too old to be asked for: nobody expects the robot to move by it."""
-        return now - self._given_at > _BEGINS_WITHIN
+        """Return whether the newest goal is too old to be asked for: nobody expects the robot to move by it.
+
+        The robot's ticks count the time, too, in which this host was suspended.
+        """
+        newest = self._link.tick
+        by_ticks = math.inf if newest is None else age(self._given_tick, newest)
+        return max(now - self._given_at, by_ticks) > _BEGINS_WITHIN
 
     def _begin(self, frame: str, x: float, y: float, yaw: float, now: float, driver: str) -> None:
         is_free = driver in ("", MOTION_SERVICE.name)
@@ -151,7 +175,7 @@ class Goals:
     def _go_on(self, motion: HeldMotion, now: float) -> None:
         if not (motion.has_asked or motion.is_cancelled) and self._is_late(now):
             self._requester = self._motion = None
-            self._tell("the robot is not heard; give it again when it is", now)
+            self._tell("the robot is not heard; give it again", now)
         elif (result := motion.turn(now)) is not None:
             self._requester = self._motion = None
             if not (result.arrived or motion.is_cancelled):

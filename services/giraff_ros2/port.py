@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple, Protocol
 
 from giraff_core.io import Selectable
+from giraff_ros2.answers import Answers
 from giraff_ros2.topics import RosTopic
 from giraff_schemas.trouble import Trouble
 
@@ -72,8 +73,8 @@ class RosPort(Selectable, Protocol):
         """Tell whether a ROS process subscribes to a topic that this node publishes."""
         ...
 
-    def answered(self, process: str) -> float:
-        """s, monotonic: when the newest question was asked that a process has answered; -inf: none yet.
+    def answers(self, process: str) -> Answers:
+        """Return what a process was asked and has answered until now.
 
         A process that publishes on a topic of `SUBSCRIBED` is asked all the time. One that is frozen answers nothing.
         """

@@ -66,7 +66,7 @@ class Ros2(OperatorService):
         # Before the ticks: a message is of one that was heard before it.
         for each in self._ros.take():
             self._take(each, now)
-        self._twists.look(self._ros.publishers(), self._ros.answered, now)
+        self._twists.look(self._ros.publishers(), self._ros.answers, now)
         self.hear(now)
         if is_due := self._pace.due(now):
             for sample in (sample for inbox in self._heard for sample in inbox.take()):
@@ -111,8 +111,9 @@ class Ros2(OperatorService):
             case Refused():
                 self._twists.on_refused(each, now)
             case Received() if each.topic == GOAL_POSE:
-                is_known = any(one.gid == each.gid for one in self._ros.publishers())
-                self._goals.on_goal(each, now, is_known=is_known)
+                processes = (one.process for one in self._ros.publishers() if one.gid == each.gid)
+                process = next(processes, None)
+                self._goals.on_goal(each, None if process is None else self._ros.answers(process), now)
                 return
             case Received():
                 self._twists.on_twist(each, now)

@@ -18,6 +18,7 @@ from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Vector3 as Ve
 from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Header as Header
 
 from giraff_core.timer import Timer
+from giraff_ros2.answers import Answers
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.port import Received, Refused, RosPublisher
 from giraff_ros2.service import Ros2
@@ -44,10 +45,13 @@ class Answer:
 
 
 class Program:
-    """A ROS program with one publisher of `/cmd_vel`."""
+    """A ROS program with one publisher."""
 
-    def __init__(self, name: str) -> None:
-        self.publisher = RosPublisher(name.ljust(16, "\0").encode(), f"/{name}", name, CMD_VEL)
+    def __init__(self, name: str, topic: RosTopic = CMD_VEL) -> None:
+        self.publisher = RosPublisher(name.ljust(16, "\0").encode(), f"/{name}", name, topic)
+        self.answers = Answers()
+        self.unanswered: deque[float] = deque()
+        """Questions that wait until it runs."""
         self.asks: tuple[float, float] | None = None
         """m/s and rad/s that it publishes 20 times a second; None: nothing."""
         self.is_frozen = False
@@ -64,32 +68,48 @@ class RosDesk:
         """The newest message of each topic."""
         self.counts: dict[str, int] = {}
         self.called: deque[Answer] = deque()
-        self.rviz = RosPublisher(b"rviz".ljust(16), "/rviz", "rviz", GOAL_POSE)
+        self.rviz = Program("rviz", GOAL_POSE)
+        self.clicks: deque[tuple[float, float, float]] = deque()
+        """m, m and rad of goals that rviz publishes once it runs, with the time of then."""
         self.now = 0.0
         self._heard: deque[Received | Refused] = deque()
-        self._answered: dict[str, float] = {}
 
     def say(self, program: Program, linear: float, angular: float, sent: float) -> None:
         twist = Twist(Vector3(linear, 0.0, 0.0), Vector3(0.0, 0.0, angular))
         sent_ns = _AHEAD_NS + round(sent * 1e9)
         self._heard.append(Received(CMD_VEL, twist, program.publisher.gid, sent_ns, self.now))
 
-    def give_goal(self, x: float, y: float, yaw: float, frame: str = "odom") -> None:
+    def say_torn(self, topic: RosTopic) -> None:
+        self._heard.append(Refused(topic, Trouble(f"a message on /{topic.name} was refused")))
+
+    def give_goal(self, x: float, y: float, yaw: float, frame: str = "odom", *, held_for: float = 0.0) -> None:
+        """Let a goal come. `held_for`: s for which the network has held it."""
         turned = Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
         goal = PoseStamped(Header(Time(0, 0), frame), Pose(Point(x, y, 0.0), turned))
-        self._heard.append(Received(GOAL_POSE, goal, self.rviz.gid, 0, self.now))
+        sent_ns = _AHEAD_NS + round((self.now - held_for) * 1e9)
+        self._heard.append(Received(GOAL_POSE, goal, self.rviz.publisher.gid, sent_ns, self.now))
 
     def turn(self, now: float, *, asks: bool) -> None:
         """Let 10 ms pass. `asks`: the programs are asked, and publish."""
+        if not self.now:  # rviz has been awake for long enough
+            for back in range(30, 0, -1):
+                self.rviz.answers.on_question(now - 0.05 * back)
+                self.rviz.answers.on_answer(now - 0.05 * back, now - 0.05 * back)
         self.now = now
-        for program in self.programs:
-            if not asks or program.is_frozen:
+        for program in (self.rviz, *self.programs):
+            if asks:
+                program.answers.on_question(now)
+                program.unanswered.append(now)
+            if program.is_frozen:
                 continue
             while program.held:
                 sent, linear, angular = program.held.popleft()
                 self.say(program, linear, angular, sent)
-            self._answered[program.publisher.process] = now - 0.15
-            if program.asks is not None:
+            while program is self.rviz and self.clicks:
+                self.give_goal(*self.clicks.popleft())
+            while program.unanswered and program.unanswered[0] <= now - 0.15:
+                program.answers.on_answer(program.unanswered.popleft(), now)
+            if asks and program.asks is not None:
                 self.say(program, *program.asks, now)
 
     def descriptor(self) -> int | None:
@@ -108,13 +128,13 @@ class RosDesk:
             yield self.called.popleft()
 
     def publishers(self) -> list[RosPublisher]:
-        return [self.rviz, *(program.publisher for program in self.programs)]
+        return [program.publisher for program in (self.rviz, *self.programs)]
 
     def is_wanted(self, topic: RosTopic) -> bool:
         return not topic
 
-    def answered(self, process: str) -> float:
-        return self._answered.get(process, -math.inf)
+    def answers(self, process: str) -> Answers:
+        return next(each.answers for each in (self.rviz, *self.programs) if each.publisher.process == process)
 
     def wall_ns(self) -> int:
         return _AHEAD_NS + round(self.now * 1e9)

@@ -8,6 +8,7 @@ from typing import Final
 
 import pytest
 
+from giraff_ros2.topics import CMD_VEL
 from tests.loop.ros import Answer, Program, RosStage, ros_stage
 
 STOPS: Final = 0.45
@@ -56,7 +57,7 @@ def test_a_frozen_program_that_wakes_moves_nothing() -> None:
         it.drive(teleop)
         teleop.is_frozen = True
         held = [(it.now + 0.01, 0.3, 0.0), (it.now + 0.02, 0.3, 0.0)]
-        it.run(6.0)
+        it.run(2.0)
         assert "/nav did not answer" in it.said
         before, since = it.at, it.now
         teleop.held.extend(held)
@@ -109,6 +110,7 @@ def zero(it: RosStage, program: Program) -> None:
 
 ENDS: Final[dict[str, tuple[str, Callable[[RosStage, Program], object]]]] = {
     "a message of zero": ("/cmd_vel", zero),
+    "a torn message": ("/cmd_vel", lambda it, _: it.desk.say_torn(CMD_VEL)),
     "a stop": ("a stop was asked for", lambda it, _: it.desk.called.append(Answer())),
     "the end of the service": ("", lambda it, _: it.loop.kill("ros2")),
 }

@@ -14,6 +14,7 @@ from typing import Final
 
 from giraff_core.freshness import age
 from giraff_core.operator import Fault, Hand, Operator, Wish
+from giraff_ros2.answers import Answers
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.hand.publisher import ANSWERS, CALM, LASTS, Publisher
 from giraff_ros2.port import Received, Refused, RosPublisher
@@ -54,14 +55,14 @@ class TwistHand(Hand):
         """Take that a sample was no message."""
         self._refused, self._refused_at = refused.trouble, now
 
-    def look(self, publishers: Iterable[RosPublisher], answered: Callable[[str], float], now: float) -> None:
-        """Take who is there now, and who has answered when. What has come before is judged together with it."""
+    def look(self, publishers: Iterable[RosPublisher], answers: Callable[[str], Answers], now: float) -> None:
+        """Take who is there now, and what each has answered. What has come before is judged together with it."""
         there = {each.gid: each for each in publishers if each.topic in (CMD_VEL, CMD_VEL_STAMPED)}
         for gid in [*there][:_MOST]:
             self._of(gid, now).node = there[gid].node
         for gid, publisher in self._publishers.items():
             is_there = gid in there
-            publisher.watch(now, answered(there[gid].process) if is_there else -math.inf, is_there=is_there)
+            publisher.watch(now, answers(there[gid].process).newest if is_there else -math.inf, is_there=is_there)
         self._ticks.append((now, self.operator.tick))
         judged = self._judge(now)
         if isinstance(judged, Fault):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable
@@ -16,6 +15,7 @@ import zenoh.ext
 from giraff_core.timer import Timer
 from giraff_node.network.session import close_session
 from giraff_node.process.selector import Waker
+from giraff_ros2.answers import Answers
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.port import Call, Received, Refused, RosPublisher
 from giraff_ros2.rmw.definitions import Definitions, TornError
@@ -80,7 +80,8 @@ class RosNode:
         self._waker, self._is_woken = Waker(), False
         self._heard: deque[Received | Refused] = deque(maxlen=_MOST_WAITING)
         self._calls: deque[Call] = deque()
-        self._answered: dict[str, float] = {}
+        self._answers: dict[str, Answers] = {}
+        self._replies: deque[tuple[str, float, float]] = deque()  # process, when it was asked, when it has answered
         self._asks = Timer(_ASKS_HZ)
         self._declared: list[Any] = []
         self._declare("NN")
@@ -123,8 +124,9 @@ class RosNode:
     def is_wanted(self, topic: RosTopic) -> bool:
         return self._name_of(topic) in self._graph.wanted
 
-    def answered(self, process: str) -> float:
-        return self._answered.get(process, -math.inf)
+    def answers(self, process: str) -> Answers:
+        self._take_replies()
+        return self._answers.get(process) or Answers()
 
     def wall_ns(self) -> int:
         return time.time_ns()
@@ -235,18 +237,25 @@ class RosNode:
         self._graph.on_token(str(sample.key_expr), is_there=sample.kind == zenoh.SampleKind.PUT)
         self._wake()
 
+    def _take_replies(self) -> None:
+        for _ in range(len(self._replies)):
+            process, asked, at = self._replies.popleft()
+            if process in self._answers:
+                self._answers[process].on_answer(asked, at)
+
     def _ask(self, processes: Iterable[str]) -> None:
         """Ask each process for its state in Zenoh's admin space. One that is frozen does not answer."""
         now = time.monotonic()
         if not self._asks.due(now):
             return
+        self._take_replies()
         asked = [*dict.fromkeys(processes)][:_MOST_ASKED]
-        known = dict(self._answered)  # at once: answers come from another thread
-        self._answered = {process: at for process, at in known.items() if process in asked}
-        for process in asked:
+        self._answers = {process: self._answers.get(process) or Answers() for process in asked}
+        for process, answers in self._answers.items():
+            answers.on_question(now)
 
-            def on_reply(reply: zenoh.Reply, process: str = process, at: float = now) -> None:
+            def on_reply(reply: zenoh.Reply, process: str = process) -> None:
                 if reply.ok is not None and str(reply.ok.key_expr).startswith(f"@/{process}/"):
-                    self._answered[process] = max(at, self.answered(process))
+                    self._replies.append((process, now, time.monotonic()))
 
             self._session.get(f"@/{process}/*", on_reply, timeout=_ANSWERS_WITHIN)

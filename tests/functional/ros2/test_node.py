@@ -147,7 +147,7 @@ def test_who_publishes_is_known_heard_and_asked(port: int, node: RosNode) -> Non
         (publisher,) = node.publishers()
         assert (publisher.node, publisher.gid) == ("/teleop", gid)
         before = time.monotonic()
-        until(lambda: list(node.publishers()) and node.answered(publisher.process) > before)
+        until(lambda: list(node.publishers()) and node.answers(publisher.process).newest > before)
         heard: list[Received | Refused] = []
         sent = Attachment(1, time.time_ns(), gid)
         for payload, attachment in [
@@ -176,8 +176,8 @@ def test_an_answer_proves_that_a_process_was_awake_when_it_was_asked_and_not_lat
         until(lambda: node._graph.publishers)
         (publisher,) = node.publishers()
         clock[0] = 2e6
-        until(lambda: node.answered(publisher.process) > 0.0)
-        assert node.answered(publisher.process) == 1e6
+        until(lambda: node.answers(publisher.process).newest > 0.0)
+        assert node.answers(publisher.process).newest == 1e6
 
 
 def test_a_publisher_of_another_hash_is_named_and_not_heard(port: int, node: RosNode) -> None:

@@ -16,6 +16,7 @@ from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__PoseStamped a
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Quaternion as Quaternion
 from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Header as Header
 
+from giraff_ros2.answers import Answers
 from giraff_ros2.cameras import Cameras
 from giraff_ros2.estop import StopCalls
 from giraff_ros2.goal import Goals
@@ -132,25 +133,41 @@ class Rviz:
     def __init__(self, x: float = 1.0, y: float = 0.0, yaw: float = 0.0) -> None:
         self.robot, self.now = Robot(), 0.0
         self.goals = Goals(self.robot, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
-        self.is_heard = True
+        self.is_heard, self.suspended = True, 0.0
         time = RobotTime(epoch=1, robot_ns=1)
         numbers: dict[str, Any] = dict.fromkeys(("linear_x", "angular_z", "path"), 0.0)
         numbers["covariance"] = (0.0,) * 6
+        self.answers, self.is_frozen = Answers(), False
+        self.unanswered: list[float] = []
         self.pose: Sample = Odometry(x=x, y=y, yaw=yaw, board_us=0, boot_id=1, tick=time, **numbers)
+        self.run(1.2)
 
-    def give(self, x: float, y: float, yaw: float = 0.0, frame: str = "odom", turned: Quaternion | None = None) -> None:
+    def give(
+        self,
+        x: float,
+        y: float,
+        yaw: float = 0.0,
+        frame: str = "odom",
+        turned: Quaternion | None = None,
+        held_for: float = 0.0,
+    ) -> None:
         rotation = turned or Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
         goal = PoseStamped(Header(Time(0, 0), frame), Pose(Point(x, y, 0.0), rotation))
-        self.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, self.now), self.now, is_known=True)
+        sent_ns = round((self.now - held_for) * 1e9)
+        self.goals.on_goal(Received(GOAL_POSE, goal, b"rviz", sent_ns, self.now), self.answers, self.now)
 
     def run(self, seconds: float = 0.1, driver: str = "") -> list[msgspec.Struct]:
         """What was asked meanwhile."""
         before = len(self.robot.asked)
         for _ in range(round(seconds / 0.02)):
             self.now += 0.02
+            self.answers.on_question(self.now)
+            self.unanswered.append(self.now)
+            while self.unanswered and not self.is_frozen:
+                self.answers.on_answer(self.unanswered.pop(), self.now)
             self.goals.on_sample(self.pose, self.now)
             if self.is_heard:
-                self.goals.on_tick(Tick(epoch=1, robot_ns=round(self.now * 1e9)), self.now)
+                self.goals.on_tick(Tick(epoch=1, robot_ns=round((self.now + self.suspended) * 1e9)), self.now)
             self.goals.turn(self.now, driver)
         return [asked.request for asked in self.robot.asked[before:]]
 
@@ -200,7 +217,7 @@ def test_a_goal_is_driven_to_and_then_turned_as_it_says(
 def test_a_goal_of_nobody_who_is_there_is_refused() -> None:
     rviz = Rviz()
     goal = PoseStamped(Header(Time(0, 0), "odom"), Pose(Point(2.0, 0.0, 0.0), Quaternion(0.0, 0.0, 0.0, 1.0)))
-    rviz.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, 0.0), 0.0, is_known=False)
+    rviz.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, rviz.now), None, rviz.now)
     assert rviz.run() == []
     assert "is not there" in str(rviz.goals.trouble)
 
@@ -244,25 +261,71 @@ def test_a_goal_waits_until_nobody_drives_and_no_longer_than_3_s() -> None:
     assert "keyboard drives" in str(rviz.goals.trouble)
 
 
-@pytest.mark.parametrize("moment", ["not heard", "frozen before", "frozen while it waits", "frozen while not heard"])
+@pytest.mark.parametrize(
+    "moment",
+    [
+        *("not heard", "frozen before", "frozen while it waits", "frozen while not heard"),
+        *("suspended", "suspended while it waits"),
+    ],
+)
 def test_a_goal_of_long_ago_moves_nothing(moment: str) -> None:
     rviz = Rviz()
     rviz.run()
     rviz.is_heard = "not heard" not in moment
     if moment == "frozen before":  # it has waited in the network
-        rviz.now += 600.0
+        rviz.now += 2.0
+        rviz.goals.on_tick(Tick(epoch=1, robot_ns=round(rviz.now * 1e9)), rviz.now)
     rviz.give(2.0, 0.0)
-    assert rviz.run(0.5, driver="ros2" if moment == "frozen while it waits" else "") == []
+    if moment == "suspended":  # no monotonic clock counts it
+        rviz.suspended = 600.0
+    assert rviz.run(0.5, driver="ros2" if "while it waits" in moment else "") == []
     if moment == "not heard":
         assert rviz.run(10.0) == []
-    elif moment != "frozen before":
+    elif moment in ("frozen while it waits", "frozen while not heard"):
         rviz.now += 600.0
+    elif moment == "suspended while it waits":
+        rviz.suspended = 600.0
     rviz.is_heard = True
     assert rviz.run(1.1) == []
     assert not rviz.goals.is_active
     assert "give it again" in str(rviz.goals.trouble)
     rviz.give(2.0, 0.0)
     assert len(rviz.run()) == 1
+
+
+def test_a_goal_that_is_later_than_those_before_it_moves_nothing() -> None:
+    rviz = Rviz()
+    rviz.give(1.0, 0.0)  # it is there
+    for held_for, asks in ((60.0, 0), (0.25, 0), (0.1, 1)):
+        rviz.give(2.0, 0.0, held_for=held_for)
+        assert len(rviz.run()) == asks
+        assert ("older than those before it" in str(rviz.goals.trouble)) is not bool(asks)
+
+
+@pytest.mark.parametrize("asleep", [0.34, 2.0])
+def test_a_goal_counts_of_a_process_alone_that_was_awake_for_a_second_before_it(asleep: float) -> None:
+    rviz = Rviz()
+    for _ in range(20):
+        rviz.is_frozen = True
+        assert rviz.run(asleep) == []
+        rviz.is_frozen = False
+        rviz.give(2.0, 0.0)  # clicked before, published now, and overtakes the answers
+        assert rviz.run(0.9) == []
+        rviz.give(2.0, 0.0)
+        assert rviz.run(0.04) == []
+        assert "not been seen awake for 1 s" in str(rviz.goals.trouble)
+    rviz.run(0.1)
+    rviz.give(2.0, 0.0)
+    assert len(rviz.run()) == 1
+
+
+def test_a_goal_of_a_process_that_answers_nothing_is_refused() -> None:
+    rviz = Rviz()
+    rviz.answers, rviz.is_frozen = Answers(), True
+    rviz.run(2.0)
+    rviz.give(2.0, 0.0)
+    assert rviz.run() == []
+    assert "answers no question" in str(rviz.goals.trouble)
 
 
 @pytest.mark.parametrize(
@@ -272,8 +335,8 @@ def test_no_goal_is_begun_by_a_guess_of_where_the_robot_is(state: Any, silent_s:
     rviz = Rviz()
     place: dict[str, Any] = {"x": 1.0, "y": 0.0, "yaw": 0.0, "covariance": (0.0,) * 6, "candidates": (), "tick": None}
     place |= {"odom": PlanarPose(x=0.0, y=0.0, yaw=0.0), "explained": 1.0, "way": 0.0, "particles": 9}
-    rviz.goals.on_sample(MapPose(state="localized", map="home", reason="", **place), 0.0)
-    rviz.goals.on_sample(MapPose(state=state, map="home", reason="", **place), 0.0)
+    rviz.goals.on_sample(MapPose(state="localized", map="home", reason="", **place), rviz.now)
+    rviz.goals.on_sample(MapPose(state=state, map="home", reason="", **place), rviz.now)
     rviz.run(silent_s)
     rviz.give(1.0, 0.0, 2.0, frame="map")  # a turn alone, which giraff_motion does not judge by localization
     assert len(rviz.run(0.08)) == asks

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +12,7 @@ from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Twist as Twis
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Vector3 as Vector3
 
 from giraff_core.operator import Fault, Wish
+from giraff_ros2.answers import Answers
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.hand.clock import PublisherClock
 from giraff_ros2.hand.twist_hand import TwistHand
@@ -32,7 +34,7 @@ class Desk:
         self.publishers: dict[str, RosPublisher] = {}
         self.frozen: set[str] = set()
         self.mute: set[str] = set()
-        self.answered: dict[str, float] = {}
+        self.answers: defaultdict[str, Answers] = defaultdict(Answers)
         self.said: list[Wish | Fault | None] = []
         self.run(0.1)
 
@@ -54,8 +56,9 @@ class Desk:
                 due += period
                 each()
             awake = [name for name in self.publishers if name not in self.frozen | self.mute]
-            self.answered |= dict.fromkeys(awake, self.now - 0.1)
-            self.hand.look(self.publishers.values(), lambda process: self.answered.get(process, -math.inf), self.now)
+            for name in awake:
+                self.answers[name].on_answer(self.now - 0.1, self.now)
+            self.hand.look(self.publishers.values(), lambda process: self.answers[process], self.now)
             tick = Tick(epoch=1, robot_ns=round(self.now * 1e9) + 1)
             self.hand.operator.on_tick(tick, self.now)
             self.said.append(self.hand.poll(self.now))
