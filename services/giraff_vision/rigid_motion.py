@@ -28,6 +28,8 @@ _SWAY: Final = math.radians(0.5)
 _ROUNDS: Final = 4
 _PRECISE: Final = 0.3
 """px. Standard deviation of a corner that was followed well."""
+_VAGUE: Final = 0.1
+"""m or rad. Standard deviation of a motion in its least certain direction, from which corners tell none."""
 _LEAST: Final = 6
 _SHARED: Final = 3.0
 """Corners near each other are off alike: three count as one."""
@@ -99,10 +101,9 @@ def refined(ground: Ground, floor: Array, pixels: Array, begin: Consensus, sway:
         slope = ((places[1:] - places[0]) / _STEP).reshape(5, -1).T
         weight = 1.0 / np.maximum(1.0, np.abs(error) / _LARGE)
         information = (slope.T * weight) @ slope + prior
-        try:
-            motion = motion + np.linalg.solve(information, slope.T @ (weight * error) - prior @ (motion - expected))
-        except np.linalg.LinAlgError:  # what was followed tells no motion
-            return None
+        if not np.isfinite(information).all() or np.linalg.eigvalsh(information)[0] < (_PRECISE / _VAGUE) ** 2:
+            return None  # rounding may leave a singular matrix regular
+        motion = motion + np.linalg.solve(information, slope.T @ (weight * error) - prior @ (motion - expected))
         off = ((ground.seen(floor, motion[None])[0] - pixels) ** 2).sum(axis=1)
         agrees = off < _REFINED_GATE**2
     if agrees.sum() < _LEAST:
