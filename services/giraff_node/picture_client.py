@@ -1,4 +1,4 @@
-"""Looks at a camera of the robot: `giraff_core.picture_asker` on the network, in a Zenoh session of its own.
+"""Looks at a camera of the robot: `giraff_core.picture.asker` on the network, in a Zenoh session of its own.
 
 Pictures come over another link than ticks, commands and what the robot tells of itself, which do not wait for them.
 """
@@ -15,7 +15,7 @@ from typing import Any, Final
 import zenoh
 
 from giraff_core.network import NetworkConfig
-from giraff_core.picture_asker import PictureAsker
+from giraff_core.picture.asker import PictureAsker
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import NobodyError, close_session, open_session
 from giraff_node.node import Publisher

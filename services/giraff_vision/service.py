@@ -13,7 +13,7 @@ import cv2
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.kinematics.pose import Pose
-from giraff_core.picture_asker import PictureAsker
+from giraff_core.picture.asker import PictureAsker
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.camera import HOLD_ENDS, CameraHold, Picture, PictureSize, VisualOdometry

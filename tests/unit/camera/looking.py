@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any, Final, NamedTuple
 
 from giraff_camera.policy import PicturePolicy
-from giraff_core.picture_asker import PictureAsker
+from giraff_core.picture.asker import PictureAsker
 from giraff_schemas.camera import CameraHold, CameraState, Picture, PictureSize
 from giraff_schemas.codec import stamped
 from giraff_schemas.topics import CAMERA_STATE

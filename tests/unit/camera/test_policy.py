@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from giraff_camera.policy import LATE, MOST_ASKERS, MOST_ON_THE_WAY, PicturePolicy
-from giraff_core.picture_asker import PictureAsker
+from giraff_core.picture.asker import PictureAsker
 from giraff_schemas.camera import HOLD_ENDS, CameraHold, CameraState, Picture
 from giraff_schemas.codec import encode, stamped
 from tests.unit.camera.looking import FULL, Link, Scene

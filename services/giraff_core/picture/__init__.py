@@ -1,0 +1,1 @@
+"""Pictures of a camera: who asks for them, and what their headers say."""
