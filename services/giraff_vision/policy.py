@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.kinematics.pose import Pose
+from giraff_core.picture.header import HeaderError, read_jpeg
 from giraff_core.sensors import Camera
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.messages import Odometry
@@ -47,14 +48,27 @@ _DOUBTED_WAY: Final = 0.3
 _NOTHING: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def grey_of(jpeg: bytes) -> NDArray[np.uint8]:
-    """Return a picture in grey: (rows, columns). Raises PictureError where it is none."""
+def grey_of(jpeg: bytes, camera: Camera) -> NDArray[np.uint8]:
+    """Return a picture of the camera in grey: (rows, columns). Raises PictureError where it is none.
+
+    giraff_camera ends each picture with a marker, so one without it is torn.
+    """
     try:
-        pixels = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_GRAYSCALE) if jpeg else None
-    except cv2.error:  # it says that it is larger than any picture
+        header = read_jpeg(jpeg)
+    except HeaderError as error:
+        raise _unreadable(str(error)) from error
+    if not header.fits(camera.width, camera.height):
+        raise _unreadable(f"it says {header.width} x {header.height} px")
+    if not header.is_ended:
+        raise _unreadable("it is torn: its end is missing")
+    try:
+        pixels = cv2.imdecode(
+            np.frombuffer(header.data, np.uint8), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
+        )
+    except cv2.error:
         pixels = None
     if pixels is None:
-        raise PictureError(Trouble("a picture is no JPEG", "look at the camera's host: its pictures arrive damaged"))
+        raise _unreadable("it cannot be decoded")
     return np.asarray(pixels, np.uint8)
 
 
@@ -178,6 +192,11 @@ def disagrees(told: VisualOdometry) -> bool:
 def is_large(off: Pose) -> bool:
     """Whether picture and wheels differ by more than what a shadow or a late sample makes."""
     return max(math.hypot(off.x, off.y), abs(off.yaw)) > DOUBT
+
+
+def _unreadable(why: str) -> PictureError:
+    what = f"a picture is no JPEG that can be read: {why}"
+    return PictureError(Trouble(what, "look at the camera's host: its pictures arrive damaged"))
 
 
 def _late(begin: float, end: float) -> float:

@@ -46,8 +46,8 @@ class Vision:
         """Raises ValueError where the robot file has no such camera."""
         cv2.setNumThreads(1)  # what drives the robot gets the other cores
         self._io = io
-        self.camera, model = robot.camera(config.camera, "[vision] camera")
-        self._policy = VisionPolicy(model)
+        self.camera, self._model = robot.camera(config.camera, "[vision] camera")
+        self._policy = VisionPolicy(self._model)
         self._by = f"visual odometry ({io.hostname})"
         self._asker = PictureAsker(self.camera, self._by)
         self._odometry = io.inbox(ODOM, wakes=False)
@@ -100,7 +100,7 @@ class Vision:
 
     def _look(self, picture: Picture, now: float) -> None:
         try:
-            told = self._policy.on_picture(picture, grey_of(picture.jpeg))
+            told = self._policy.on_picture(picture, grey_of(picture.jpeg, self._model))
         except PictureError as error:
             self._io.set_fault("pictures", error.trouble)
             return

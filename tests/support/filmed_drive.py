@@ -81,9 +81,8 @@ def film(
             jpeg = encoder.encode(seen, 40_000)
             told = wheels.moved(scales[0] * speed * left, scales[1] * turn * left)
             is_turning = abs(turn) > 0.1 and abs(speed) < 0.01
-            shot = Filmed(
-                time + left, at, is_turning, told, (), _picture(time + left, scene, camera, jpeg), grey_of(jpeg)
-            )
+            picture, grey = _picture(time + left, scene, camera, jpeg), grey_of(jpeg, camera)
+            shot = Filmed(time + left, at, is_turning, told, (), picture, grey)
             waiting.append((step + _LATE, shot))
         if waiting and waiting[0][0] == step:
             yield waiting.pop(0)[1]._replace(odometry=tuple(heard))

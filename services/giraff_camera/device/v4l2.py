@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from giraff_camera.device.image import DeviceError, Image
 from giraff_camera.device.opencv import cv2
+from giraff_core.picture.header import Header, HeaderError, read_jpeg
+from giraff_node.process.c_stderr import muted_c_stderr
 from giraff_schemas.trouble import Trouble
 
 _BUFFERS: Final = 2
@@ -22,8 +24,7 @@ _EXPOSURE_UNIT: Final = 1e-4
 """s, of V4L2_CID_EXPOSURE_ABSOLUTE."""
 _MOST_TORN: Final = 10
 """Torn pictures in a row that are passed over."""
-_END_OF_JPEG: Final = b"\xff\xd9"
-"""It occurs nowhere else in a JPEG of a camera."""
+_COMPRESSED: Final = frozenset(cv2.VideoWriter.fourcc(*each) for each in ("MJPG", "JPEG"))
 
 
 class V4l2Camera:
@@ -42,14 +43,16 @@ class V4l2Camera:
         capture.set(cv2.CAP_PROP_FRAME_HEIGHT, height)
         capture.set(cv2.CAP_PROP_FPS, max(1.0, rate))
         capture.set(cv2.CAP_PROP_BUFFERSIZE, _BUFFERS)
-        if capture.get(cv2.CAP_PROP_FOURCC) == cv2.VideoWriter.fourcc(*"MJPG"):
-            # OpenCV 4 shows a JPEG without its end as a picture that is partly grey; `_decoded` does not.
+        if capture.get(cv2.CAP_PROP_FOURCC) in _COMPRESSED:
+            # OpenCV would decode what says to be huge, and OpenCV 4 fills what is torn with grey. `_decoded` does not.
             capture.set(cv2.CAP_PROP_CONVERT_RGB, 0)
         given = capture.get(cv2.CAP_PROP_FPS)
         self._period = 1.0 / given if given > 0.0 else 1.0 / rate
         buffers = max(_BUFFERS, int(capture.get(cv2.CAP_PROP_BUFFERSIZE)))
         self._queued = deque([self._opened] * buffers, buffers)
         """s. When the driver got each of its buffers to fill, the oldest first."""
+        self._sends_ends = False
+        """Whether it has sent a JPEG with its end marker. Some cameras never do."""
 
     def read(self) -> Image:
         """Wait for the next picture that is whole. Raises DeviceError."""
@@ -57,7 +60,7 @@ class V4l2Camera:
             try:
                 grabbed = self._capture.grab()
                 raw = self._capture.retrieve()[1] if grabbed else None
-                pixels = None if raw is None else _decoded(raw)
+                pixels = None if raw is None else self._decoded(raw)
             except cv2.error as error:
                 raise DeviceError(Trouble(f"{self._path}: OpenCV cannot read the picture: {error.err}")) from error
             if not grabbed:
@@ -74,6 +77,28 @@ class V4l2Camera:
     def close(self) -> None:
         """Give the camera back."""
         self._capture.release()
+
+    def _decoded(self, raw: Any) -> NDArray[np.uint8] | None:
+        """Return the pixels of what OpenCV gave, which may be a JPEG; None: it is torn. Raises DeviceError.
+
+        A camera that has sent an end marker is held to it: its pictures without one are torn. Of a camera that has sent
+        none yet, a picture counts as whole if its last block was there.
+        """
+        array = np.asarray(raw, np.uint8)
+        if array.ndim == 3 and array.shape[2] == 3:
+            return array
+        try:
+            header = read_jpeg(array.tobytes())
+        except HeaderError:
+            return None
+        if not header.fits(self._width, self._height):
+            raise self._misfit(header.width, header.height, "much larger")
+        self._sends_ends = self._sends_ends or header.is_ended
+        if not header.is_ended:
+            grey = None if self._sends_ends else _pixels(header, cv2.IMREAD_GRAYSCALE)
+            if grey is None or header.is_cut(grey[header.last_block].tobytes()):
+                return None
+        return _pixels(header, cv2.IMREAD_COLOR)
 
     def _taken(self, now: float) -> float:
         """The latest moment that is surely before the exposure began.
@@ -103,14 +128,17 @@ class V4l2Camera:
         if (width, height) == (self._width, self._height):
             return pixels
         if abs(width * self._height - height * self._width) > max(width, height) / 2:  # half a pixel of the picture
-            what = f"{self._path}: it gives {width} x {height} px, of another shape than {self._width} x {self._height}"
-            remedy = "set width and height of its table in [robot.sensors], then calibrate it: giraff calibrate camera"
-            raise DeviceError(Trouble(what, remedy))
+            raise self._misfit(width, height, "of another shape")
         smaller = width > self._width
         size = self._width, self._height
         return np.asarray(
             cv2.resize(pixels, size, interpolation=cv2.INTER_AREA if smaller else cv2.INTER_LINEAR), np.uint8
         )
+
+    def _misfit(self, width: int, height: int, how: str) -> DeviceError:
+        what = f"{self._path}: it gives {width} x {height} px, {how} than {self._width} x {self._height}"
+        remedy = "set width and height of its table in [robot.sensors], then calibrate it: giraff calibrate camera"
+        return DeviceError(Trouble(what, remedy))
 
     def _why_silent(self) -> Trouble:
         if not Path(self._path).exists():
@@ -118,13 +146,7 @@ class V4l2Camera:
         return Trouble(f"{self._path}: the camera gives no picture", "unplug it, and plug it in again")
 
 
-def _decoded(raw: Any) -> NDArray[np.uint8] | None:
-    """The pixels of what OpenCV gave, which may be a JPEG; None: it is torn."""
-    array = np.asarray(raw, np.uint8)
-    if array.ndim == 3 and array.shape[2] == 3:
-        return array
-    data = array.tobytes()
-    if _END_OF_JPEG not in data:
-        return None
-    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+def _pixels(header: Header, form: int) -> NDArray[np.uint8] | None:
+    with muted_c_stderr():
+        pixels = cv2.imdecode(np.frombuffer(header.data, np.uint8), form | cv2.IMREAD_IGNORE_ORIENTATION)
     return None if pixels is None else np.asarray(pixels, np.uint8)

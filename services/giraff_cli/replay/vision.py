@@ -62,7 +62,7 @@ class _Life:
     """One policy, from a key picture on that was a measurement: behind another one it may have had its doubts."""
 
     def __init__(self, camera: Camera, odometry: Iterable[Odometry], picture: Picture, then: VisualOdometry) -> None:
-        self._policy = VisionPolicy(camera)
+        self._camera, self._policy = camera, VisionPolicy(camera)
         self._keys: int | None = None
         """Key pictures before the first one of this life. None: not known yet."""
         self._first = self._say(odometry, picture)
@@ -91,4 +91,4 @@ class _Life:
     def _say(self, odometry: Iterable[Odometry], picture: Picture) -> VisualOdometry:
         for each in odometry:
             self._policy.on_odometry(each)
-        return self._policy.on_picture(picture, grey_of(picture.jpeg))
+        return self._policy.on_picture(picture, grey_of(picture.jpeg, self._camera))

@@ -19,6 +19,7 @@ from giraff_cli.terminal.screen import say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_page
 from giraff_cli.vision.summary import Tally, to_text
+from giraff_core.picture.header import MOST_PIXELS
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_mcap.reading import Recording, RecordingError
@@ -49,7 +50,7 @@ def look(path: Path, camera: str | None, file: Path | None, *, as_json: bool) ->
         if path.suffix == ".mcap":
             recording = Recording(path)
             name, model = _camera(camera, file, recording)
-            frames = _recorded(recording, name, faults)
+            frames = _recorded(recording, name, model, faults)
         else:
             video = _opened(path)
             name, model = _camera(camera, file)
@@ -91,13 +92,13 @@ def _camera(typed: str | None, file: Path | None, recording: Recording | None = 
     return robot.camera(typed or "", "--camera")
 
 
-def _recorded(recording: Recording, camera: str, faults: list[str]) -> Iterator[Odometry | Frame]:
+def _recorded(recording: Recording, name: str, camera: Camera, faults: list[str]) -> Iterator[Odometry | Frame]:
     """Read a recording. `faults` takes what cannot be read."""
     unread, strange = Unread(), 0
-    for recorded in recording.samples((ODOM.key, *(topic.at(camera).key for topic in CAMERA_PICTURES)), unread):
+    for recorded in recording.samples((ODOM.key, *(topic.at(name).key for topic in CAMERA_PICTURES)), unread):
         try:
             sample = recorded.decode()
-            grey = grey_of(sample.jpeg) if isinstance(sample, Picture) else None
+            grey = grey_of(sample.jpeg, camera) if isinstance(sample, Picture) else None
         except ValueError:
             strange += 1
             continue
@@ -121,6 +122,9 @@ def _opened(path: Path) -> cv2.VideoCapture:
     if not (video := cv2.VideoCapture(str(path))).isOpened():
         what = "OpenCV cannot read it as a video; give an .avi or .mp4 that is whole, or a recording"
         raise ValueError(f"{path}: {what}, whose name ends in .mcap")
+    width, height = video.get(cv2.CAP_PROP_FRAME_WIDTH), video.get(cv2.CAP_PROP_FRAME_HEIGHT)
+    if width * height > MOST_PIXELS:  # known before the first picture is decoded
+        raise ValueError(f"{path}: its pictures have {width:.0f} x {height:.0f} px; give smaller ones")
     return video
 
 

@@ -8,6 +8,7 @@ from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
+from unittest.mock import MagicMock
 
 import cv2
 import pytest
@@ -95,6 +96,17 @@ def test_a_video_has_no_wheels_and_one_that_is_cut_off_is_told(giraff: Giraff, t
     assert code == 1
     assert "by the wheels  not heard" in out
     assert f"of its {len(shots)} pictures can be read; this is of what came before" in complaint
+
+
+def test_a_video_of_huge_pictures_is_refused_before_one_is_decoded(
+    giraff: Giraff, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.mp4").touch()
+    video = MagicMock(read=MagicMock(side_effect=AssertionError("a picture was decoded")))
+    video.get.side_effect = {cv2.CAP_PROP_FRAME_WIDTH: 16_384.0, cv2.CAP_PROP_FRAME_HEIGHT: 16_384.0}.get
+    monkeypatch.setattr(cv2, "VideoCapture", lambda _: video)
+    code, _, complaint = giraff("vision", "--from", "a.mp4")
+    assert (code, "its pictures have 16384 x 16384 px" in complaint) == (2, True)
 
 
 def test_a_replay_goes_on_at_a_key_picture_behind_a_missing_one_and_sees_what_is_otherwise(
