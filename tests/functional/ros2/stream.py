@@ -1,6 +1,7 @@
-"""A ROS process that publishes `/cmd_vel` 20 times a second, as bare Zenoh: `stream.py PORT`.
+"""A ROS process that publishes as bare Zenoh what it is told on its standard input: `stream.py PORT`.
 
-It drives at the newest speed (m/s) on its standard input, and says on its output how many messages it has sent.
+A number: the speed, m/s, that it publishes on `/cmd_vel` 20 times a second; it says on its output how many it has sent.
+`silent`: no more of them. `goal X`: one `/goal_pose` at X m in `odom`.
 """
 
 from __future__ import annotations
@@ -11,20 +12,50 @@ import threading
 import time
 
 import zenoh
+from rosbags.typesys.stores.ros2_kilted import builtin_interfaces__msg__Time as Time
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Point as Point
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Pose as Pose
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__PoseStamped as PoseStamped
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Quaternion as Quaternion
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Twist as Twist
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Vector3 as Vector3
+from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Header as Header
 
 from giraff_ros2.rmw.definitions import Definitions
 from giraff_ros2.rmw.names import Attachment, Entity, dds_type, gid_of, key_of, qos_text
-from giraff_ros2.topics import CMD_VEL
+from giraff_ros2.topics import CMD_VEL, GOAL_POSE, RosTopic
 
-speed = 0.0
+speed: float | None = 0.0
 
 
-def obey() -> None:
+class Publisher:
+    """A publisher of one topic, as rmw_zenoh declares it."""
+
+    def __init__(self, session: zenoh.Session, topic: RosTopic, number: int) -> None:
+        self._definitions, self._type = Definitions("kilted"), topic.type
+        type_hash = self._definitions.hash_of(topic.type)
+        entity = Entity(str(session.zid()), 0, number, "MP", "/", "teleop", f"/{topic.name}")
+        token = entity._replace(type=dds_type(topic.type), type_hash=type_hash, qos=qos_text(topic.qos)).token(0)
+        self._declared = session.liveliness().declare_token(token)
+        self._publisher = session.declare_publisher(key_of(0, f"/{topic.name}", topic.type, type_hash))
+        self._gid = gid_of(token)
+        self.sent = 0
+
+    def publish(self, message: object) -> None:
+        self.sent += 1
+        attachment = Attachment(self.sent, time.time_ns(), self._gid).encode()
+        self._publisher.put(self._definitions.encode(message, self._type), attachment=attachment)
+
+
+def obey(goals: Publisher) -> None:
     global speed  # noqa: PLW0603  read by the loop
     for line in sys.stdin:
-        speed = float(line)
+        word, *x = line.split()
+        if x:
+            pose = Pose(Point(float(x[0]), 0.0, 0.0), Quaternion(0.0, 0.0, 0.0, 1.0))
+            goals.publish(PoseStamped(Header(Time(0, 0), "odom"), pose))
+        else:
+            speed = None if word == "silent" else float(word)
 
 
 def main() -> None:
@@ -39,19 +70,12 @@ def main() -> None:
     }.items():
         config.insert_json5(name, json.dumps(value))
     session = zenoh.open(config)
-    definitions = Definitions("kilted")
-    type_hash = definitions.hash_of(CMD_VEL.type)
-    entity = Entity(str(session.zid()), 0, 1, "MP", "/", "teleop", "/cmd_vel")
-    token = entity._replace(type=dds_type(CMD_VEL.type), type_hash=type_hash, qos=qos_text(CMD_VEL.qos)).token(0)
-    _declared = session.liveliness().declare_token(token)
-    publisher = session.declare_publisher(key_of(0, "/cmd_vel", CMD_VEL.type, type_hash))
-    threading.Thread(target=obey, daemon=True).start()
-    sent = 0
+    twists, goals = Publisher(session, CMD_VEL, 1), Publisher(session, GOAL_POSE, 2)
+    threading.Thread(target=obey, args=(goals,), daemon=True).start()
     while True:
-        sent += 1
-        payload = definitions.encode(Twist(Vector3(speed, 0.0, 0.0), Vector3(0.0, 0.0, 0.0)), CMD_VEL.type)
-        publisher.put(payload, attachment=Attachment(sent, time.time_ns(), gid_of(token)).encode())
-        print(sent, speed, flush=True)
+        if (asked := speed) is not None:
+            twists.publish(Twist(Vector3(asked, 0.0, 0.0), Vector3(0.0, 0.0, 0.0)))
+            print(twists.sent, asked, flush=True)
         time.sleep(0.05)
 
 

@@ -96,6 +96,26 @@ class Truth:
         return way
 
 
+def goals(truth: Truth, rviz: Ros) -> None:
+    """Let it give a goal that it held back while it was frozen, which moves nothing, and one of now."""
+    rviz.tell("silent")
+    truth.way(2_000_000_000)
+    os.kill(rviz.process.pid, signal.SIGSTOP)
+    rviz.tell(f"goal {truth.now().x - 1.0}")
+    truth.way(WATCHED_NS)
+    os.kill(rviz.process.pid, signal.SIGCONT)
+    assert truth.way(WATCHED_NS) < STILL
+
+    def goes() -> bool:
+        before = truth.now()
+        rviz.tell(f"goal {before.x - 1.0}")
+        truth.way(WATCHED_NS)
+        now = truth.now()
+        return math.dist((now.x, now.y), (before.x, before.y)) > 0.02 or abs(now.yaw - before.yaw) > 0.1
+
+    wait(goes, PATIENCE, what="a goal of now")
+
+
 def test_ros_sees_it_drives_it_and_stops_it_and_a_process_that_wakes_moves_nothing(tmp_path: Path) -> None:
     (tmp_path / "world.toml").write_text(SMALL_ROOM)
     port = free_port()
@@ -146,13 +166,14 @@ def test_ros_sees_it_drives_it_and_stops_it_and_a_process_that_wakes_moves_nothi
         assert math.dist((woke.x, woke.y), (stood.x, stood.y)) < STILL
         wait(drives, PATIENCE, what=lambda: f"a drive after the hand has rested: {observer.newest(BASE)}")
 
+        goals(truth, stream)
+
         reader.tell("")
         answer = json.loads(reader.read())
         assert answer["success"], answer
         estop = observer.newest(ESTOP)
         assert estop is not None
-        assert estop.engaged
-        assert "ros2" in estop.by
+        assert (estop.engaged, "ros2" in estop.by) == (True, True)
         wait(lambda: not state("armed"), PATIENCE, what="the stop")
         assert truth.way(1_000_000_000) < 0.2
         assert truth.way(1_000_000_000) < STILL
