@@ -78,6 +78,15 @@ def printable(text: str) -> str:
     return "".join(character if character.isprintable() else "?" for character in text)
 
 
+MOST_KEPT: Final = 200
+"""Characters of a text of others, such as who asks and why."""
+
+
+def brief(text: str, most: int = MOST_KEPT) -> str:
+    """Return a text of others as it may be stored, published, logged and shown: short, and on one line."""
+    return printable(text[:most])
+
+
 def printable_lines(text: str) -> str:
     """Clean each line like `printable`, and keep the ends of the lines."""
     return "\n".join(map(printable, text.split("\n")))

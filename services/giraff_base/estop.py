@@ -10,12 +10,11 @@ from giraff_core.estop.latch import RELEASED, RESET_COMMAND, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.text import printable
+from giraff_schemas.text import brief, printable
 from giraff_schemas.trouble import WELL, Trouble
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
 
-_LONGEST_TEXT: Final = 200  # characters that others may put into the latch
 _IDS: Final = 1 << 31
 
 
@@ -49,7 +48,7 @@ class EStopControl:
         battery was `empty`.
         """
         self._engaged_ns = now.robot_ns
-        by, reason = _clean(asked.by), _clean(asked.reason)
+        by, reason = brief(asked.by), brief(asked.reason)
         if RESET_COMMAND not in reason:
             reason = f"{reason}; to go on: {RESET_COMMAND}"
         off = self.latch.off or (asked.off and self._knows_off)
@@ -81,7 +80,7 @@ class EStopControl:
 
     def released(self, reset: EStopReset) -> EStopLatch:
         """The latch as `reset` leaves it."""
-        return EStopLatch(engaged=False, id=self.latch.id, by=_clean(reset.by), reason="")
+        return EStopLatch(engaged=False, id=self.latch.id, by=brief(reset.by), reason="")
 
     def answer(self, why_not: Trouble = WELL) -> EStopAnswer:
         """`why_not`: what was asked is not done, and why."""
@@ -108,8 +107,3 @@ class EStopControl:
                 off=latch.off,
             )
         return sample
-
-
-def _clean(text: str) -> str:
-    """Return a text of others as it may be stored, published, logged and shown: short, and on one line."""
-    return printable(text[:_LONGEST_TEXT])

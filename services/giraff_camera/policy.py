@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from giraff_schemas.camera import HOLD_ENDS, Asker, CameraHold, PictureSize
-from giraff_schemas.text import printable
+from giraff_schemas.text import brief
 
 MOST_ON_THE_WAY: Final = 0.06
 """s that a picture takes of a link at most: ticks and commands wait for it."""
@@ -211,4 +211,4 @@ class PicturePolicy:
 
 def _name(by: str) -> str:
     """Return a viewer's name as others are told it. Nobody looks without one."""
-    return printable(by[:_LONGEST_BY]).strip() or "somebody without a name"
+    return brief(by, _LONGEST_BY).strip() or "somebody without a name"

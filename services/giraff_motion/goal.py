@@ -12,6 +12,7 @@ from giraff_motion.travel import Travel
 from giraff_motion.way import Way
 from giraff_schemas.messages import Direction, GuardState, Odometry, RobotTime, Verdict
 from giraff_schemas.motion import MotionRequest, MotionState, Outcome, Stage
+from giraff_schemas.text import brief
 from giraff_schemas.trouble import WELL, Trouble
 
 _RESTS_WITHIN: Final = 1.5
@@ -55,7 +56,7 @@ class Goal:
     ) -> None:
         """`coasts`: along the floor, and of turns; `patience`, `time_limit`: s."""
         self.id = request.id
-        self.by = request.by[:_LONGEST_NAME]
+        self.by = brief(request.by, _LONGEST_NAME)
         self.began = now
         self.ended_at = now
         self._rolled_at = now

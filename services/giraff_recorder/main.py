@@ -29,6 +29,8 @@ from giraff_schemas.trouble import WELL, Trouble
 _LOOK_HZ: Final = 5.0
 _AT_ONCE: Final = 2000
 """Samples that one turn writes: the loop goes on turning meanwhile."""
+_MOST_WAITING: Final = 200
+"""Words of services between two turns: on an open network anybody may send more."""
 _FOLDER: Final = "incidents"
 
 
@@ -64,8 +66,8 @@ class Others:
 
     def __init__(self, node: Node[RecorderConfig]) -> None:
         self._node = node
-        self._gone: deque[str] = deque()
-        self._healths: deque[Health] = deque()
+        self._gone: deque[str] = deque(maxlen=_MOST_WAITING)
+        self._healths: deque[Health] = deque(maxlen=_MOST_WAITING)
         self._tokens = watch_tokens(node.session, node.robot.name, self._on_token, node.log.warning, history=False)
 
     def tell(self, incidents: IncidentDetector, now: float, *, ask: bool) -> None:

@@ -10,7 +10,8 @@ from giraff_mcap.raw_sample import RawSample, is_own_key
 from giraff_recorder.config import RecorderConfig
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
-from giraff_schemas.services import WATCHED
+from giraff_schemas.services import ANSWERING, WATCHED
+from giraff_schemas.text import brief
 
 _OVERHEAD: Final = 300
 """bytes that a sample in memory takes beside its payload."""
@@ -21,6 +22,8 @@ _FOREIGN_SHARE: Final = 0.25
 _SERIES: Final = 7 * 86_400.0
 """s before the newest file in which the first file of a kind is kept."""
 _ARMED_LATELY: Final = 2.0  # s
+_LONGEST_TEXT: Final = 1000
+"""Characters of an event: a stop has two texts of others, and a service may have many faults."""
 _GRAVEST_FIRST: Final = ("estop", "board", "gone", "fault")
 """Kinds of events. The gravest in a file gives it its name: whoever looks for an emergency stop finds it by name."""
 
@@ -121,6 +124,8 @@ class IncidentDetector:
 
     def on_health(self, health: Health, now: float) -> None:
         """What a service says of itself: a fault that it has not had before is an event."""
+        if health.service not in ANSWERING:
+            return  # anybody may answer, and in any name
         known, self._unwell[health.service] = self._unwell.get(health.service), "; ".join(health.faults)
         if not health.ok and known is not None and self._unwell[health.service] != known:
             self._tell(now, "fault", f"{health.service}: {self._unwell[health.service]}")
@@ -147,7 +152,7 @@ class IncidentDetector:
         return Incident(kinds[0], text, round(since * 1e9))
 
     def _tell(self, now: float, kind: str, text: str) -> None:
-        self._events.setdefault(kind, (now, text))
+        self._events.setdefault(kind, (now, brief(text, _LONGEST_TEXT)))
 
 
 class IncidentFile(NamedTuple):

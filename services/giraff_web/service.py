@@ -32,7 +32,6 @@ from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.camera import OpenSource, PagesLooking
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
-from giraff_web.limited_log import LimitedLog
 from giraff_web.messages import Hello, LetGo, Look, PageWish, PictureSeen, Refused, Reset, Room
 from giraff_web.pages import Closed, Event, Opened, Pages, Said, StopAsked
 from giraff_web.picture import Picture
@@ -63,7 +62,7 @@ class Web(OperatorService):
         `open_source`: looks at the robot's camera; None: no page does.
         """
         self._io, self._config, self._robot, self._pages = io, config, robot, pages
-        self._log, self._room = LimitedLog(log), room
+        self._log, self._room = log, room
         self._policy = WebPolicy(config, robot, io.instance)
         self._picture = Picture(robot)
         self._by = f"{config.operator}@{io.hostname}"
@@ -104,7 +103,7 @@ class Web(OperatorService):
         self._looking.poll(now)
         if (devices := self._looking.devices) != self._lookers:
             self._lookers = devices
-            self._log.say("look", f"the camera's picture is on at {devices or 'no page'}", now)
+            self._log(f"the camera's picture is on at {devices or 'no page'}")
 
     def end(self) -> None:
         super().end()
@@ -112,7 +111,7 @@ class Web(OperatorService):
 
     def on_said(self, asked: Wish | Fault, now: float) -> None:
         super().on_said(asked, now)
-        self._tell_pages(now)
+        self._tell_pages()
 
     def _take(self, event: Event, now: float) -> None:
         policy = self._policy
@@ -165,17 +164,17 @@ class Web(OperatorService):
     def _reset(self, asked: EStopReset) -> Request:
         return self._io.ask(ESTOP_RESET, asked, lambda _: True)
 
-    def _tell_pages(self, now: float) -> None:
+    def _tell_pages(self) -> None:
         """Who drives, in the log; and each page whose hold has come to count no more."""
         driver, lost = self._policy.driver, self._policy.lost()
         if driver != self._driver:
             self._driver = driver
-            self._log.say("driver", f"{driver.device} drives" if driver.page else "nobody's page drives any more", now)
+            self._log(f"{driver.device} drives" if driver.page else "nobody's page drives any more")
         for page, why in lost.items():
             if why != self._lost.get(page, WELL):
                 self._pages.tell(page, Refused(why=str(why)))
                 if why:
-                    self._log.say("lost", str(why.of(self._policy.device(page))), now)
+                    self._log(str(why.of(self._policy.device(page))))
         self._lost = lost
 
     def _hello(self, page: Opened) -> Hello:

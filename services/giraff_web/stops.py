@@ -15,7 +15,6 @@ from giraff_core.estop.release import EStopRelease
 from giraff_core.estop.request import EStopRequest, Request
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopReset
-from giraff_web.limited_log import LimitedLog
 from giraff_web.messages import RELEASE
 
 _STANDS: Final = 2.5  # s: a reset may be 1 s old, and then wait 1 s for base's disk
@@ -29,7 +28,7 @@ class Stops:
         self,
         engage: Callable[[str, Callable[[EStopAnswer], bool | str], bool], Request],
         reset: Callable[[EStopReset], Request],
-        log: LimitedLog,
+        log: Callable[[str], object],
     ) -> None:
         """`engage` begins to ask base for a stop by that device, or for off; `reset` to ask for a release."""
         self._device = ""
@@ -57,7 +56,7 @@ class Stops:
         """Somebody asks for the emergency stop; `off`: and that it is off."""
         self._device = device
         self._release.withdraw()  # who wants a stop wants no release any more
-        self._log.say("stop", f"{device} asks for the emergency stop", now)
+        self._log(f"{device} asks for the emergency stop")
         if not self._engaged(now) or (off and not self._is_off_answered(now)):
             self._stop.engage(off=off)
             self._begun = device, now
@@ -89,7 +88,7 @@ class Stops:
 
     def reset(self, device: str, asked: EStopReset, now: float) -> None:
         """Somebody asks for the release of the latch that he was shown: he knows of each stop before."""
-        self._log.say("release", f"{device} asks for the release of the emergency stop", now)
+        self._log(f"{device} asks for the release of the emergency stop")
         if self.asked:
             self._release.text = "STILL STOPPED: a stop was not confirmed yet; release it again when it is"
             return
@@ -102,7 +101,7 @@ class Stops:
         if confirmed:
             self._confirmed_at = now
         if self._release.poll(now):
-            self._log.say("released", self._release.text or "the emergency stop is released", now)
+            self._log(self._release.text or "the emergency stop is released")
         return confirmed
 
     def _is_off_answered(self, now: float) -> bool:

@@ -13,7 +13,7 @@ from giraff_core.io import PendingQuery, Store
 from giraff_core.parameters.table import ConfigT, ParamError, Parameters
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
-from giraff_schemas.text import plain
+from giraff_schemas.text import brief, plain
 from giraff_schemas.trouble import WELL, Trouble
 
 PARAMS_FOLDER: Final = "params"
@@ -51,6 +51,8 @@ class ParameterServer(Generic[ConfigT]):
         # A disk that hangs must hold up neither the loop nor who asks for something else meanwhile.
         self._waiting: deque[PendingQuery[ParamSave, ParamAnswer]] = deque(maxlen=_MOST_WAITING)
         self._writing: tuple[PendingQuery[ParamSave, ParamAnswer], dict[str, Any]] | None = None
+        self._on_disk: dict[str, Any] | None = None
+        """Parameters that the file has; None: unknown, and the next save writes it."""
         self._restore(store, name)
 
     def turn(
@@ -74,14 +76,17 @@ class ParameterServer(Generic[ConfigT]):
         if reconfigure is None:
             only = f"{self._service} takes the robot file and a restart for each of its parameters"
             return self._answer(Trouble(only))
+        before = self._params.config
         try:
             self._params.set(request.name, request.value)
         except ParamError as error:
             return self._answer(Trouble(str(error)))
         answer = self._answer(WELL, request.name)
+        if self._params.config == before:
+            return answer
         self.on_set(answer)
         reconfigure(self._params.config)
-        self._log("%s is %s, by %s", request.name, self._params.value(request.name), request.by)
+        self._log("%s is %s, by %s", request.name, self._params.value(request.name), brief(request.by))
         return answer
 
     def _begin_to_save(self, asked: PendingQuery[ParamSave, ParamAnswer]) -> None:
@@ -90,14 +95,20 @@ class ParameterServer(Generic[ConfigT]):
         except ParamError as error:
             asked.answer(self._answer(Trouble(str(error))))
             return
-        self._writing = asked, kept
+        if kept == self._on_disk:
+            asked.answer(self._done(asked.request, kept))
+            return
+        self._writing, self._on_disk = (asked, kept), None
         self._writer.save(msgspec.json.format(msgspec.json.encode(kept)) + b"\n")
 
     def _saved(self, request: ParamSave, kept: dict[str, Any], why_not: str) -> ParamAnswer:
         if why_not:
             return self._answer(Trouble(f"{why_not}; the value counts until a restart", _MAKE_WRITABLE))
-        self._params.saved = kept
-        self._log("saved in %s, by %s: %s", self._file, request.by, kept)
+        self._params.saved = self._on_disk = kept
+        self._log("saved in %s, by %s: %s", self._file, brief(request.by), kept)
+        return self._done(request, kept)
+
+    def _done(self, request: ParamSave, kept: dict[str, Any]) -> ParamAnswer:
         return self._answer(WELL, *(request.names or (*kept, *self._params.unsaved)))
 
     def _restore(self, store: Store, name: str) -> None:
@@ -118,6 +129,8 @@ class ParameterServer(Generic[ConfigT]):
             self._log("as saved in %s, not as in the robot file: %s", self._file, self._params.saved)
         if ignored:
             self.fault = Trouble(f"{self._file}: {'; '.join(ignored)}", "save again, or remove the file")
+        else:
+            self._on_disk = self._params.saved
 
     def _answer(self, refusal: Trouble, *names: str) -> ParamAnswer:
         return ParamAnswer(

@@ -74,14 +74,15 @@ class HealthState:
         if told.get(name, WELL) == trouble:
             return
         trouble = Trouble(_text(trouble.what), _text(trouble.remedy))
+        about = {"about": name.partition(" ")[0]}  # a few words: keys and operators, which strangers invent, come after
         if told.get(name, WELL) == trouble:
             return
         if trouble:
             told[name] = trouble
-            self._log.warning("%s", trouble)
+            self._log.warning("%s", trouble, extra=about)
         else:
             told.pop(name, None)  # another subscriber's thread may have done so just now
-            self._log.info("recovered: %s", name)
+            self._log.info("recovered: %s", name, extra=about)
 
 
 def _text(text: str) -> str:

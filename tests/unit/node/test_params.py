@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated, Any
+from unittest.mock import MagicMock
 
 import msgspec
 import pytest
@@ -17,7 +18,7 @@ from giraff_core.parameters.table import ParamError, Parameters
 from giraff_core.robot import MOVED_TO_DRIVE
 from giraff_core.tuning import Tuning
 from giraff_node.process.state import Folder
-from giraff_schemas.params import Param, ParamAnswer, ParamSet
+from giraff_schemas.params import Param, ParamAnswer, ParamSave, ParamSet
 from tests.support.robots import BASE, ROBOT
 from tests.unit.node.asked import Asked
 
@@ -267,3 +268,35 @@ def test_what_was_set_is_told_before_the_service_goes_by_it(params: Parameters[C
         sets.accept(Asked(ParamSet(name=name, value=0.5, by="carer")))
     server.turn(Inbox(1), sets, Inbox(1), lambda config: order.append(config.margin))
     assert order == [[("margin", 0.5)], 0.5]
+
+
+def test_a_stranger_fills_neither_log_nor_disk_with_what_changes_nothing(tmp_path: Path) -> None:
+    lines: list[str] = []
+    written: list[bytes] = []
+    params = Parameters("guard", Config(), ROBOT)
+    server = ParameterServer(
+        "guard", "guard-1", "host", params, Folder(tmp_path), lambda line, *told: lines.append(line % told)
+    )
+    server._writer = writer = MagicMock(save=written.append, outcome=lambda: "")
+    sets, saves = Inbox[Any](1), Inbox[Any](1)
+    by = "x" * 60_000
+
+    def is_saved(margin: float) -> bool:
+        sets.accept(to_set := Asked(ParamSet(name="margin", value=margin, by=by)))
+        saves.accept(to_save := Asked(ParamSave(by=by)))
+        for _ in range(2):
+            server.turn(Inbox(1), sets, saves, lambda _: None)
+        assert to_set.said is not None
+        assert to_set.said.done
+        assert to_save.said is not None
+        return to_save.said.done
+
+    assert all(is_saved(0.5) for _ in range(50))
+    assert len(written) == 1
+    assert [line.partition(" ")[0] for line in lines] == ["margin", "saved"]
+    assert max(map(len, lines)) < 500
+    writer.outcome = lambda: "no space"
+    assert not is_saved(0.6)
+    writer.outcome = lambda: ""
+    assert is_saved(0.5)
+    assert len(written) == 3, "after a failed write nobody knows what is on disk"

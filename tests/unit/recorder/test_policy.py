@@ -49,6 +49,31 @@ def health(*faults: str) -> Health:
     return Health(service="guard", instance="i", host="h", pid=1, uptime=1.0, ok=not faults, faults=faults)
 
 
+@pytest.mark.parametrize("hear", ["estop", "base", "health"])
+def test_a_text_of_others_is_cut(hear: str) -> None:
+    long = "x\n" * 30_000
+    incidents = IncidentDetector(CONFIG)
+    for bad in (False, True):
+        if hear == "estop":
+            incidents.on_estop(EStop(engaged=bad, id=1, by=long, reason=long), 1.0)
+        elif hear == "base":
+            incidents.on_base(msgspec.structs.replace(base(connected=not bad), reason=long), 1.0)
+        else:
+            incidents.on_health(health(*[long] * bad), 1.0)
+    incident = incidents.due(100.0)
+    assert incident is not None
+    assert len(incident.text) <= 1000
+    assert incident.text.isprintable()
+
+
+def test_nobody_adds_services_that_there_are_not() -> None:
+    incidents = IncidentDetector(CONFIG)
+    for number in range(1000):
+        for faults in ((), ("bad",)):
+            incidents.on_health(msgspec.structs.replace(health(*faults), service=f"s{number}"), 1.0)
+    assert incidents.due(100.0) is None
+
+
 def first_due(incidents: IncidentDetector, begin: float, end: float) -> tuple[float, Incident]:
     """When an incident is due, to 0.1 s."""
     now = begin
