@@ -42,6 +42,8 @@ class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
     """Field of the sample that says what `*` stands for, and must agree with it: access is granted by key."""
     inside: bool = False
     """Base and guard act on it, so it is taken from the robot's own host only."""
+    size: int = 300
+    """bytes. Usual size of a large sample. The flight recorder shares its memory by rate and size."""
 
     def name_in(self, key: str) -> str:
         """The operator, sensor or camera that a key of this row is of: the chunk after its first one."""
@@ -78,17 +80,17 @@ ATTITUDE = Topic("attitude", m.Attitude, 100, "control", inside=True)
 ODOM = Topic("odom", m.Odometry, 100, "state")
 BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")
-GUARD = Topic("guard", m.GuardState, 10, "state")
+GUARD = Topic("guard", m.GuardState, 10, "state", size=1000)
 ESTOP = Topic("estop", m.EStop, 2, "control")
 MOTION = Topic("motion", mo.MotionState, 10, "state")
 MOTION_HOLD = Topic("motion/hold", mo.MotionHold, 25, "control")
-POSE = Topic("pose", lo.MapPose, 10, "state")
-PARTICLES = Topic("particles", lo.Particles, 2, "state")
-MAP = Topic("map", lo.MapWalls, 0.2, "state")
+POSE = Topic("pose", lo.MapPose, 10, "state", size=600)
+PARTICLES = Topic("particles", lo.Particles, 2, "state", size=8000)
+MAP = Topic("map", lo.MapWalls, 0.2, "state", size=12_000)
 CAMERA = Topic("camera/*/@full", c.Picture, 15, "bulk", "camera")
 CAMERA_SMALL = Topic("camera/*/@small", c.Picture, 15, "bulk", "camera")
 CAMERA_ON = Topic("camera/*/on", c.CameraHold, 5, "state", "camera")
-CAMERA_STATE = Topic("camera/*/state", c.CameraState, 5, "state", "camera")
+CAMERA_STATE = Topic("camera/*/state", c.CameraState, 5, "state", "camera", size=1000)
 CAMERA_PICTURES = (CAMERA, CAMERA_SMALL)
 """What a camera sees. A chunk that begins with `@` is matched by no wildcard: who listens to all that a robot says does
 not see through its camera, nor does his link carry pictures."""

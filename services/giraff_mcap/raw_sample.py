@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from giraff_schemas.topics import topic_of
+from giraff_schemas.topics import Topic, topic_of
 
 
 class RawSample(NamedTuple):
@@ -22,9 +22,9 @@ class RawSample(NamedTuple):
 
 
 @lru_cache(maxsize=1000)
-def is_own_key(key: str) -> bool:
-    """Return whether a whole key is in the topics table."""
-    return topic_of(key.split("/", 2)[-1]) is not None
+def row_of(key: str) -> Topic[Any] | None:
+    """Return the row of the topics table that a whole key is of. None: the table has none."""
+    return topic_of(key.split("/", 2)[-1])
 
 
 class Start(NamedTuple):

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_mcap.raw_sample import RawSample, is_own_key
+from giraff_mcap.raw_sample import RawSample, row_of
 
 _MOST_WAITING: Final = 40_000
 """Samples, a minute and a half of a whole robot: the queue while a disk hangs."""
@@ -73,7 +73,7 @@ class RawSubscriber:
         self._taken += len(came)
         samples = [RawSample(at_ns, str(key), payload, encoding) for at_ns, key, payload, encoding in came]
         for (_, key, _, encoding), sample in zip(came, samples, strict=True):
-            if key not in self._encodings and len(self._declared) < _MOST_DECLARED and is_own_key(sample.key):
+            if key not in self._encodings and len(self._declared) < _MOST_DECLARED and row_of(sample.key):
                 self._encodings[key] = encoding
                 # Of a key that it knows Zenoh keeps to whom it goes, and looks for that no more with each sample.
                 self._declared.append(self._session.declare_keyexpr(key))

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
-from giraff_mcap.raw_sample import RawSample, is_own_key
+from giraff_mcap.raw_sample import RawSample, row_of
 from giraff_recorder.config import RecorderConfig
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
@@ -15,8 +15,12 @@ from giraff_schemas.text import brief
 
 _OVERHEAD: Final = 300
 """bytes that a sample in memory takes beside its payload."""
-_MOST_OWN: Final = 100_000
-"""bytes. Largest payload that counts as the robot's own. On an open network, anybody may put more on its keys."""
+_LARGEST: Final = 8
+"""Times the usual size of a row. A larger sample is not one of the robot's services."""
+_NAMES: Final = 4
+"""Sensors or operators that speak on the keys of one row."""
+_ON_CHANGE_HZ: Final = 10.0
+"""Rate of a row that has none."""
 _FOREIGN_SHARE: Final = 0.25
 """Part of the memory that samples of other keys keep. They may use more while the robot's own leave it free."""
 _SERIES: Final = 7 * 86_400.0
@@ -31,45 +35,73 @@ _GRAVEST_FIRST: Final = ("estop", "board", "gone", "fault")
 class Memory:
     """The newest samples: those of the last while, and never more than so many bytes.
 
-    The robot's own samples have a share that nobody else's can take. Anybody may put large samples on other keys.
+    Anybody on an open network may put samples on any key. Samples that the robot does not send by itself share a part
+    of the memory. Each row of the topics table has a share by its rate and size, so that a flood on one of its keys
+    pushes out samples of that row alone.
     """
 
     def __init__(self, config: RecorderConfig) -> None:
         self._span_ns = round((config.before + config.after) * 1e9)
         self._most = config.memory
-        self._own, self._foreign = _Part(), _Part()
+        self._foreign = _Part(1.0)
+        self._own: dict[str, _Part] = {}
+        """By the key of a row of the topics table."""
 
     def add(self, samples: Iterable[RawSample]) -> None:
         """Remember these, and forget what is too old or too much."""
         newest_ns = 0
         for sample in samples:
-            own = len(sample.payload) <= _MOST_OWN and is_own_key(sample.key)
-            (self._own if own else self._foreign).add(sample)
+            self._part_of(sample).add(sample)
             newest_ns = sample.at_ns
-        for part in (self._own, self._foreign):
+        for part in self._parts():
             part.forget_before(newest_ns - self._span_ns)
-        while self._own.bytes + self._foreign.bytes > self._most:
-            (self._foreign if self._foreign.bytes > self._most * _FOREIGN_SHARE else self._own).forget_oldest()
+        excess = sum(part.bytes for part in self._parts()) - self._most
+        while excess > 0:
+            is_foreign = self._foreign.bytes > self._most * _FOREIGN_SHARE
+            part = self._foreign if is_foreign else max(self._own.values(), key=lambda part: part.seconds)
+            excess -= part.forget_oldest()
 
     def since(self, at_ns: int) -> list[RawSample]:
         """Return the samples that came after `at_ns` (time.monotonic_ns), oldest first."""
-        both = (*self._own.samples, *self._foreign.samples)
-        return sorted((sample for sample in both if sample.at_ns > at_ns), key=lambda sample: sample.at_ns)
+        kept = (sample for part in self._parts() for sample in part.samples)
+        return sorted((sample for sample in kept if sample.at_ns > at_ns), key=lambda sample: sample.at_ns)
+
+    def _parts(self) -> list[_Part]:
+        return [self._foreign, *self._own.values()]
+
+    def _part_of(self, sample: RawSample) -> _Part:
+        row = row_of(sample.key)
+        if row is None or len(sample.payload) > _LARGEST * row.size:
+            return self._foreign
+        if (part := self._own.get(row.key)) is None:
+            rate = (row.rate_hz or _ON_CHANGE_HZ) * (_NAMES if "*" in row.key else 1)
+            part = self._own[row.key] = _Part(rate * (row.size + _OVERHEAD))
+        return part
 
 
 class _Part:
     """Samples of one share, oldest first."""
 
-    def __init__(self) -> None:
+    def __init__(self, pace: float) -> None:
+        """`pace`: bytes a second that come where nobody floods it."""
         self.samples: deque[RawSample] = deque()
         self.bytes = 0
+        self._pace = pace
+
+    @property
+    def seconds(self) -> float:
+        """Time in which so many bytes come at the usual pace."""
+        return self.bytes / self._pace
 
     def add(self, sample: RawSample) -> None:
         self.samples.append(sample)
         self.bytes += _size(sample)
 
-    def forget_oldest(self) -> None:
-        self.bytes -= _size(self.samples.popleft())
+    def forget_oldest(self) -> int:
+        """Return the bytes that are free now."""
+        freed = _size(self.samples.popleft())
+        self.bytes -= freed
+        return freed
 
     def forget_before(self, at_ns: int) -> None:
         while self.samples and self.samples[0].at_ns < at_ns:
