@@ -11,8 +11,8 @@ from typing import Final
 
 _ARMED_ANEW: Final = 3
 """Times in a period that a turning loop arms the timer."""
-_STACKS_AT: Final = 0.9
-"""Share of the time after which a thread of its own writes the stacks."""
+_WRITING: Final = 0.1
+"""Share of the time that the writing of the stacks may take."""
 _PERIODS_TO_END: Final = 2
 
 
@@ -29,9 +29,11 @@ def watchdog_period(environment: Mapping[str, str] = os.environ) -> float | None
 class Watchdog:
     """Ends this process by SIGALRM after a period without a turn, with the stack of each thread in its log.
 
-    The kernel and C code do it: a loop that holds Python's lock ends like one that waits for ever, and a log that
-    nobody reads holds up the stacks alone. It does nothing where $WATCHDOG_USEC is not set, because nobody there starts
-    the process again.
+    The kernel and C code do it: a loop that holds Python's lock ends like one that waits for ever. The handler of the
+    first SIGALRM writes the stacks and ends the process, also when the process was frozen and wakes too late. Where
+    nobody reads the log, the writing waits, and a second SIGALRM ends the process.
+
+    It does nothing where $WATCHDOG_USEC is not set, because nobody there starts the process again.
     """
 
     def __init__(self, environment: Mapping[str, str] = os.environ) -> None:
@@ -39,6 +41,8 @@ class Watchdog:
         self._next: float | None = None
         """Monotonic time, s, from which a turn arms the timer; None before the first turn, which may take its time."""
         self._is_armed = False
+        if self._period is not None:
+            faulthandler.register(signal.SIGALRM, chain=True)
 
     def turn(self, now: float) -> None:
         """Note that the loop turns. `now`: monotonic, s."""
@@ -57,11 +61,9 @@ class Watchdog:
 
     def _arm(self, seconds: float) -> None:
         self._is_armed = True
-        signal.setitimer(signal.ITIMER_REAL, seconds)
-        faulthandler.dump_traceback_later(_STACKS_AT * seconds)
+        signal.setitimer(signal.ITIMER_REAL, seconds, _WRITING * seconds)
 
 
 def disarm() -> None:
     """End the watch. Another program in the same process would inherit the timer, but not the stacks."""
-    faulthandler.cancel_dump_traceback_later()
     signal.setitimer(signal.ITIMER_REAL, 0.0)
