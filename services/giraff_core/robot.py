@@ -51,7 +51,7 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Number of the sensor on the ranger board."""
     x: Annotated[float, PLACE]
     y: Annotated[float, PLACE]
-    z: Annotated[float, PLACE] = 0.0
+    z: Annotated[float, Bounds(0.0, 2.0, "m", "how many metres above the floor is it?")] = 0.0
     """m above the floor. A robot that balances needs it: it leans, and the sensor looks at the floor then."""
     roll: Annotated[float, ANGLE] = 0.0
     """rad. About the fixed axes of `base_link`, first roll, then pitch, then yaw (REP-103)."""

@@ -58,7 +58,7 @@ class PartPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     y: Annotated[float, PLACE] = 0.0
     """m to the left."""
     z: Annotated[float, PLACE] = 0.0
-    """m up."""
+    """m up. Not below the floor, where `base_link` is."""
     roll: Annotated[float, ANGLE] = 0.0
     """rad. About the parent's fixed axes, first roll, then pitch, then yaw (REP-103)."""
     pitch: Annotated[float, ANGLE] = 0.0
@@ -68,6 +68,11 @@ class PartPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     def __post_init__(self) -> None:
         check_bounds(self)
+        if self.parent == BASE_FRAME and self.z < 0.0:
+            raise ValueError(
+                f"z is {self.z:g} m: {BASE_FRAME} is on the floor, so z must be 0 or more; "
+                "name the parent if it is in another part"
+            )
 
     def transform(self, name: str) -> Transform:
         """Of the part of this name."""

@@ -47,6 +47,8 @@ def test_other_types_have_tables_of_their_own_and_an_unknown_one_is_passed_over(
         ("type = 'bumper'\nindex = 0\nway = 'forwards'", "did you mean 'forward'"),
         ("type = 'bumper'\nindexx = 0\nway = 'forward'", "did you mean 'index'"),
         (f"{POSE}half_cone = 7.5", "half_cone"),
+        (f"{POSE}z = -1.0", "z is -1: it must be within 0..2 m; how many metres above the floor is it?"),
+        ("type = 'camera'\nz = -1.0", "z is -1: it must be within 0.02..3 m; how high above the floor is its lens?"),
         (f"{POSE}type = ['bumper']", "the type of the sensor front is .*, which is no text"),
         (
             "type = 'bumper'\nindex = 0\nway = 'forward'\n[robot.bumpers.back]\nindex = 1",
@@ -58,6 +60,13 @@ def test_a_mistake_is_told_with_the_sensors_name(tmp_path: Path, entry: str, wro
     with pytest.raises(ConfigError, match=wrong) as refused:
         robot(tmp_path, f"[robot.sensors.front]\n{entry}\n")
     assert "front" in str(refused.value) or "[robot.sensors" in str(refused.value)
+
+
+def test_a_part_of_the_robot_itself_is_not_below_the_floor(tmp_path: Path) -> None:
+    sensor, low = f"[robot.sensors.front]\n{POSE}", "[robot.frames.arm]\nz = -0.1\n"
+    assert robot(tmp_path, f"{sensor}{low}parent = 'range_front_link'\n").frames["arm"].z == -0.1
+    with pytest.raises(ConfigError, match=r"z is -0.1 m: base_link is on the floor, so z must be 0 or more"):
+        robot(tmp_path, f"{sensor}{low}")
 
 
 def test_a_bumpers_name_is_one_that_a_key_can_have(tmp_path: Path) -> None:
