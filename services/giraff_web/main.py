@@ -116,11 +116,13 @@ def _site(node: Node[WebConfig], config: WebConfig) -> Site:
     from giraff_web.server.server import Site  # noqa: PLC0415
 
     network = node.network
-    addresses = frozenset() if network.local else host_addresses()
-    addresses |= {config.address} if config.address else set()
+    found = frozenset() if network.local else host_addresses()
+    given = {config.address} if config.address else set()
+    addresses = found | given
     names = certificates.own_names(node.hostname, addresses, config.names)
     state = state_directory(node.robot.name)
-    certificate, notice = certificates.for_this_host(network, state, node.hostname, names, datetime.now(UTC))
+    passing = found - given - {*config.names}
+    certificate, notice = certificates.for_this_host(network, state, node.hostname, names, datetime.now(UTC), passing)
     node.set_notice("certificate", notice)
     reached_at = [config.address] if config.address else [*config.names, *sorted(addresses)]
     return Site(

@@ -65,38 +65,45 @@ def host_certificate(folder: Path) -> Certificate:
 
 
 def made_certificate(
-    state: Path, hostname: str, names: Iterable[Address], now: datetime
+    state: Path, hostname: str, names: Iterable[Address], now: datetime, passing: Iterable[str] = ()
 ) -> tuple[Certificate, Trouble]:
     """Return the certificate of the last start if it still fits, else a new one; and what devices may refuse about it.
 
-    `state`: the service's state folder. A clock before the certificate's beginning renews nothing: a boot without a
-    clock must not cost the trust of the devices.
+    `state`: the service's state folder. `passing`: those of `names` that interfaces have now. While the certificate
+    names one of them, another that has come beside it renews nothing, such as a VPN's. Neither does a clock before the
+    certificate's beginning: a boot without a clock. Both would cost the trust of the devices.
     """
-    wanted = with_local(names)
+    wanted, may_lack = with_local(names), {require_address(address) for address in passing}
     try:
         state.mkdir(parents=True, exist_ok=True)
         with holding(state):
-            if not _fits(state / FOLDER, wanted, now):
+            if not _fits(state / FOLDER, wanted, may_lack, now):
                 _make(state / FOLDER, hostname, wanted, now)
-        return _loaded(state / FOLDER, "remove the folder, and start again"), _early(state / FOLDER, now)
+        notice = _early(state / FOLDER, now) or _lacking(state / FOLDER, may_lack)
+        return _loaded(state / FOLDER, "remove the folder, and start again"), notice
     except OSError as error:
-        with tempfile.TemporaryDirectory() as passing:
-            _make(Path(passing) / FOLDER, hostname, wanted, now)
+        with tempfile.TemporaryDirectory() as folder:
+            _make(Path(folder) / FOLDER, hostname, wanted, now)
             why = Trouble(
                 f"{error.filename or state}: {error.strerror or error}: the certificate cannot be kept, and devices "
                 "must trust another one after each start",
                 "correct the folder's rights",
             )
-            return _loaded(Path(passing) / FOLDER, "start again"), why
+            return _loaded(Path(folder) / FOLDER, "start again"), why
 
 
 def for_this_host(
-    network: NetworkConfig, state: Path, hostname: str, names: Iterable[Address], now: datetime
+    network: NetworkConfig,
+    state: Path,
+    hostname: str,
+    names: Iterable[Address],
+    now: datetime,
+    passing: Iterable[str] = (),
 ) -> tuple[Certificate, Trouble]:
     """The one that counts on this network, and what is to be told of it. Raises CertificateProblemError."""
     if is_secured(network):
         return host_certificate(Path(network.keys)), WELL
-    return made_certificate(state, hostname, names, now)
+    return made_certificate(state, hostname, names, now, passing)
 
 
 def is_secured(network: NetworkConfig) -> bool:
@@ -104,14 +111,25 @@ def is_secured(network: NetworkConfig) -> bool:
     return network.mode == "secured" and not network.session_file
 
 
-def _fits(folder: Path, wanted: Iterable[Address], now: datetime) -> bool:
+def _fits(folder: Path, wanted: Iterable[Address], may_lack: set[Address], now: datetime) -> bool:
     try:
         authority, certificate = (read_certificate(folder / name) for name in (CA_CERTIFICATE, HOST_CERTIFICATE))
         if not is_pair(certificate, read_key(folder / HOST_KEY)) or certificate.issuer != authority.subject:
             return False
     except KeyFileError:
         return False
-    return now < certificate.not_valid_after_utc - EXPIRES_SOON and {*wanted} <= {*addresses_of(certificate)}
+    there = {*addresses_of(certificate)}
+    is_named = {*wanted} - there <= may_lack and (not may_lack or bool(may_lack & there))
+    return is_named and now < certificate.not_valid_after_utc - EXPIRES_SOON
+
+
+def _lacking(folder: Path, addresses: set[Address]) -> Trouble:
+    """Return the trouble with addresses of this host that the certificate does not name."""
+    lacking = ", ".join(sorted(map(str, addresses - {*addresses_of(read_certificate(folder / HOST_CERTIFICATE))})))
+    if not lacking:
+        return WELL
+    remedy = f"open the page at another address; or remove {folder}, start again, and let devices trust it anew"
+    return Trouble(f"the certificate does not name {lacking}: browsers refuse the page there", remedy)
 
 
 def _early(folder: Path, now: datetime) -> Trouble:

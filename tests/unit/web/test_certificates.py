@@ -94,6 +94,29 @@ def test_it_is_made_anew_for_other_names_and_when_it_is_over_soon(
 
 
 @pytest.mark.parametrize(
+    ("addresses", "further", "same"),
+    [
+        (["10.0.0.5", "172.17.0.1"], ["robot.example"], True),
+        (["172.17.0.1"], ["robot.example"], False),
+        ([], ["robot.example"], True),
+        (["10.0.0.5", "172.17.0.1"], ["other.example"], False),
+        (["10.0.0.5", "172.17.0.1"], ["172.17.0.1"], False),
+    ],
+    ids=["another comes", "it has moved", "no network yet", "another name", "an address that the robot file names"],
+)
+def test_an_address_that_comes_beside_the_others_costs_no_devices_trust(
+    tmp_path: Path, addresses: list[str], further: list[str], same: bool
+) -> None:
+    first = made(tmp_path)
+    passing = {*addresses} - {*further}
+    _, notice = made_certificate(tmp_path, "desk", own_names("desk", addresses, further), NOW, passing)
+    assert (leaf(tmp_path) == first) == same
+    lacks = "172.17.0.1" in addresses and same
+    assert ("does not name 172.17.0.1" in str(notice)) == lacks
+    assert lacks or not notice
+
+
+@pytest.mark.parametrize(
     "now", [-2 * DAY, datetime(2000, 1, 1, tzinfo=UTC) - NOW, datetime(1970, 1, 1, tzinfo=UTC) - NOW]
 )
 def test_a_boot_without_a_clock_keeps_it_and_says_so(tmp_path: Path, now: timedelta) -> None:
