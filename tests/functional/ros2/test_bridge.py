@@ -27,6 +27,8 @@ from tests.support.waiting import wait
 FROZEN_NS = 5_000_000_000
 WATCHED_NS = 3_000_000_000
 SPEED = 0.2
+RIM = 0.3
+"""m. Radius of the robot."""
 STILL = 0.002
 """m. The robot stands."""
 
@@ -86,12 +88,13 @@ class Truth:
         return pose
 
     def way(self, robot_ns: int) -> float:
-        """Return the way that the robot takes in that time, m."""
+        """Return the way of the robot in that time, m; a turn counts as the way of its rim."""
         began = last = self.now()
         way = 0.0
         while last.tick.robot_ns - began.tick.robot_ns < robot_ns:
             pose = self.now()
-            way += math.dist((pose.x, pose.y), (last.x, last.y))
+            turned = math.remainder(pose.yaw - last.yaw, math.tau)
+            way += math.dist((pose.x, pose.y), (last.x, last.y)) + abs(turned) * RIM
             last = pose
         return way
 
@@ -107,11 +110,8 @@ def goals(truth: Truth, rviz: Ros) -> None:
     assert truth.way(WATCHED_NS) < STILL
 
     def goes() -> bool:
-        before = truth.now()
-        rviz.tell(f"goal {before.x - 1.0}")
-        truth.way(WATCHED_NS)
-        now = truth.now()
-        return math.dist((now.x, now.y), (before.x, before.y)) > 0.02 or abs(now.yaw - before.yaw) > 0.1
+        rviz.tell(f"goal {truth.now().x - 1.0}")
+        return truth.way(WATCHED_NS) > 0.1
 
     wait(goes, PATIENCE, what="a goal of now")
 
