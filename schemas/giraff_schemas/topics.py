@@ -41,7 +41,7 @@ class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
     names: str = ""
     """Field of the sample that says what `*` stands for, and must agree with it: access is granted by key."""
     inside: bool = False
-    """Base and guard act on it, so it is taken from the robot's own host only."""
+    """Services inside act on it, or it proves a stop: they take it from the robot's own host only."""
     size: int = 300
     """bytes. Usual size of a large sample. The flight recorder shares its memory by rate and size."""
 
@@ -81,7 +81,7 @@ ODOM = Topic("odom", m.Odometry, 100, "state")
 BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")
 GUARD = Topic("guard", m.GuardState, 10, "state", size=1000)
-ESTOP = Topic("estop", m.EStop, 2, "control")
+ESTOP = Topic("estop", m.EStop, 2, "control", inside=True)
 MOTION = Topic("motion", mo.MotionState, 10, "state")
 MOTION_HOLD = Topic("motion/hold", mo.MotionHold, 25, "control")
 POSE = Topic("pose", lo.MapPose, 10, "state", size=600)

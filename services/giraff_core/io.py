@@ -114,6 +114,8 @@ class IO(Protocol):
     """Random; of this start of this process."""
     hostname: str
     """Name of the machine."""
+    is_open: bool
+    """Whether the network is one on which another host may speak in base's name."""
     on_reconfigured: Callable[[Any], None] | None
     """Takes the configuration between two turns whenever it has become another; None: no parameter changes live."""
 

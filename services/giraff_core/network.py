@@ -76,6 +76,11 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             require_site(self.site)
 
     @property
+    def is_open(self) -> bool:
+        """Whether another host may speak in base's name. Nothing here knows what a file of Zenoh's own permits."""
+        return bool(self.session_file) or not (self.local or self.mode == "secured")
+
+    @property
     def is_split(self) -> bool:
         """Whether guard or ranger may run on another host than base."""
         return self.mode == "secured" and len(self.access.robot) > 1

@@ -58,7 +58,7 @@ class Keyboard(OperatorService):
             asked = EStopEngage(by=by, reason="space bar held" if off else "space bar", off=off)
             return io.ask(ESTOP_ENGAGE, asked, settles)
 
-        self.stopping = EStopRequest(engage, "press r to release it")
+        self.stopping = EStopRequest(engage, "press r to release it", is_open=io.is_open)
 
         def reset(shown: EStop, moment: RobotTime) -> Request:
             asked = EStopReset(by=by, id=shown.id, tick=moment, engaged_ns=shown.engaged_ns)

@@ -133,7 +133,7 @@ class Node(Generic[ConfigT]):
         self.hostname = socket.gethostname()
         try:
             filed, self.robot, network = config if isinstance(config, Settings) else Settings.load(service, config)
-            self.network = network
+            self.network, self.is_open = network, network.is_open
             role = _role_of(service, network)
             told = role in {"door", "outside"} and not network.local and not network.session_file
             self._look_at_addresses = placed_addresses if role == "door" else host_addresses

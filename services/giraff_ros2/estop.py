@@ -27,7 +27,7 @@ class StopCalls:
         def engage(settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
             return io.ask(ESTOP_ENGAGE, EStopEngage(by=by, reason="service estop of ROS", off=off), settles)
 
-        self._request = EStopRequest(engage, _RELEASE)
+        self._request = EStopRequest(engage, _RELEASE, is_open=io.is_open)
         self._calls: list[tuple[Call, float]] = []
         self._told: bool | None = None
         self._newest: EStop | None = None

@@ -196,6 +196,8 @@ class Latch(msgspec.Struct, frozen=True, kw_only=True):
 
     engaged: bool
     off: bool
+    word: str
+    """Whose word it is, where it is shown as confirmed."""
     by: str
     reason: str
     remedy: str

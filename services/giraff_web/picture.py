@@ -6,6 +6,7 @@ import math
 from collections import deque
 from typing import Final
 
+from giraff_core.estop.request import BY_WORD
 from giraff_core.latest import LatestSamples
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
@@ -25,8 +26,9 @@ _APART: Final = 0.03  # m between two points of the path
 class Picture:
     """Times are seconds of any one monotonic clock."""
 
-    def __init__(self, robot: RobotConfig) -> None:
-        self._robot = robot
+    def __init__(self, robot: RobotConfig, *, is_open: bool) -> None:
+        """`is_open`: of the network."""
+        self._robot, self._is_open = robot, is_open
         self._latest = LatestSamples()
         self._trail: deque[tuple[float, float]] = deque(maxlen=_POINTS)
         self._origin: tuple[str, int] | None = None
@@ -71,7 +73,7 @@ class Picture:
             page=driver.page if driver else 0,
             armed=base.armed if base else None,
             why="" if nobody_asks else str(on_page(what_stops(own, base, guard))),
-            stop=_latch(estop) if estop else None,
+            stop=_latch(estop, is_open=self._is_open) if estop else None,
             stop_text=stop_text,
             directions=_directions(guard) if guard else None,
             ranges={sensor: self._echo(sensor, now) for sensor in self._robot.sensors},
@@ -142,11 +144,12 @@ def _map_view(place: MapPose) -> MapView:
     )
 
 
-def _latch(state: EStop) -> Latch:
+def _latch(state: EStop, *, is_open: bool) -> Latch:
     told = on_page(trouble_of(state))
     return Latch(
         engaged=state.engaged,
         off=state.off,
+        word=BY_WORD if is_open else "confirmed",
         by=state.by,
         reason=told.what,
         remedy=told.remedy,

@@ -64,9 +64,9 @@ class Web(OperatorService):
         self._io, self._config, self._robot, self._pages = io, config, robot, pages
         self._log, self._room = log, room
         self._policy = WebPolicy(config, robot, io.instance)
-        self._picture = Picture(robot)
+        self._picture = Picture(robot, is_open=io.is_open)
         self._by = f"{config.operator}@{io.hostname}"
-        self._stops = Stops(self._engage, self._reset, self._log)
+        self._stops = Stops(self._engage, self._reset, self._log, is_open=io.is_open)
         self._looking = PagesLooking(pages, self._by, open_source)
         super().__init__(io, self._policy)
         self.link = pages

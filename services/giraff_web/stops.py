@@ -29,10 +29,15 @@ class Stops:
         engage: Callable[[str, Callable[[EStopAnswer], bool | str], bool], Request],
         reset: Callable[[EStopReset], Request],
         log: Callable[[str], object],
+        *,
+        is_open: bool,
     ) -> None:
-        """`engage` begins to ask base for a stop by that device, or for off; `reset` to ask for a release."""
+        """`engage` begins to ask base for a stop by that device, or for off; `reset` to ask for a release.
+
+        `is_open`: of the network.
+        """
         self._device = ""
-        self._stop = EStopRequest(lambda settles, off: engage(self._device, settles, off), RELEASE)
+        self._stop = EStopRequest(lambda settles, off: engage(self._device, settles, off), RELEASE, is_open=is_open)
         self._ask_reset = reset
         self._release = EStopRelease()
         self._stands_since: float | None = None

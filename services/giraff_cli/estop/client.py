@@ -10,12 +10,13 @@ import functools
 import shlex
 import time
 from collections.abc import Callable, Collection, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Final, NamedTuple
 
+from giraff_cli.estop.witness import Witness
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.program import called_here
-from giraff_core.estop.request import NO_OFF
+from giraff_core.estop.request import BY_WORD, NO_OFF
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import DEFAULT_FILE
@@ -90,13 +91,15 @@ def engage(
     `other`: asks meanwhile, too.
     """
     robot, deadline = connection.robot, time.monotonic() + _left(connection, timeout)
-    asking = EStopClient(connection.session, robot, engaging(by, reason, off=off))
+    wish = engaging(by, reason, off=off)
+    asking = EStopClient(connection.session, robot, wish)
     other.hear(robot, asking)
     answer = asking.wait(deadline)
     if doubt and (answer or _has_stopped(asking)):
         return _doubtful(connection, robot, doubt)
     if answer is not None:
-        return _confirmed(connection, robot, answer, is_off=asking.is_off, off=off)
+        other.end(robot)
+        return _confirmed(Witness(connection, wish), robot, answer, asking)
     return _unconfirmed(robot, asking, timeout)
 
 
@@ -152,7 +155,8 @@ def _engage_heard(
     stopped: set[tuple[str, int]] = set()
     codes = [UNKNOWN if doubt else RELEASED]
     tell_once = functools.cache(tell)  # one robot may be heard at two doors
-    teller = ThreadPoolExecutor(1)  # a host that is looked up takes up to 0.5 s, in which the others are asked
+    teller = ThreadPoolExecutor(1)  # what is looked up for a sentence takes up to 0.5 s, in which the others are asked
+    witness, confirmed = Witness(connection, wish), list[Future[int]]()
     newest = time.monotonic()
     until = newest + _left(connection, timeout)
     while (now := time.monotonic()) < until:
@@ -169,14 +173,14 @@ def _engage_heard(
                     teller.submit(_tell_doubtful, connection, robot, doubt, tell)
                 else:
                     other.end(robot)
-                    result = _confirmed(connection, robot, answer, is_off=asking[robot, at].is_off, off=wish.off)
-                    codes.append(result.code)
-                    tell_once(result)
+                    way = asking[robot, at]
+                    confirmed.append(teller.submit(_tell_confirmed, witness, robot, answer, way, tell_once))
         is_alone = now - newest > _NEWCOMERS and not connection.is_looking
         if asking and len(stopped) == len(asking) and is_alone:
             break
         time.sleep(_TURN)
     teller.shutdown()
+    codes += [told.result() for told in confirmed]
     elsewhere = other.stopped()
     not_stopped = [way for way in asking.keys() - stopped if way[0] not in elsewhere]
     open_ones = sorted(not_stopped, key=lambda way: _weight(connection, asking[way], way[0]))
@@ -255,19 +259,33 @@ def _tell_doubtful(connection: RobotConnection, robot: str, doubt: str, tell: Ca
     tell(_doubtful(connection, robot, doubt))
 
 
-def what_stands(*, is_off: bool, off: bool) -> tuple[int, str]:
-    """Return the code and the words of a stop that base has confirmed. `off`: it was asked for."""
-    if off and not is_off:
-        return ENGAGED, f"STOPPED, not off: {NO_OFF}"
-    return RELEASED, "OFF" if is_off else "STOPPED"
+def what_stands(*, is_off: bool, off: bool, by_word: bool = False) -> tuple[int, str]:
+    """Return the code and the words of a stop that base has confirmed. `off`: it was asked for.
+
+    `by_word`: a stranger may have confirmed it in base's place.
+    """
+    code, what = (
+        (ENGAGED, f"STOPPED, not off: {NO_OFF}") if off and not is_off else (RELEASED, "OFF" if is_off else "STOPPED")
+    )
+    return code, f"{what}, {BY_WORD}" if by_word else what
 
 
-def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer, *, is_off: bool, off: bool) -> Result:
+def _confirmed(witness: Witness, robot: str, answer: EStopAnswer, asking: EStopClient) -> Result:
+    connection, is_off = witness.connection, asking.is_off
+    by_word = connection.network.is_open and not witness.has_heard(robot)
     way = [word for address in connection.network.connect for word in ("--connect", address)]
     release = shlex.join([*called_here(), "estop", "reset", "--robot", robot, *way])
-    code, what = what_stands(is_off=is_off, off=off)
+    code, what = what_stands(is_off=is_off, off=witness.wish.off, by_word=by_word)
     told = f"{robot}: {what}, latch {answer.id}; it stays so until `{release}`"
     return Result(code, told, robot, answer.engaged, is_off, answer.id)
+
+
+def _tell_confirmed(
+    witness: Witness, robot: str, answer: EStopAnswer, asking: EStopClient, tell: Callable[[Result], object]
+) -> int:
+    result = _confirmed(witness, robot, answer, asking)
+    tell(result)
+    return result.code
 
 
 def _of_state(code: int, text: str, robot: str, state: EStop) -> Result:

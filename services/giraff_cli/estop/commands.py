@@ -39,8 +39,8 @@ def engage(
 
     Where Zenoh does not answer, the robot's page is asked, too.
 
-    Exit code: 0 base confirms it; 1 stopped, but the disk did not take it, or not off; 2 NOT CONFIRMED: use the
-    battery switch.
+    Exit code: 0 base confirms it, or on an open network whoever answers as base; 1 stopped, but the disk did not take
+    it, or not off; 2 NOT CONFIRMED: use the battery switch.
     """
     from giraff_cli.estop.engage import engage_by_plan  # noqa: PLC0415
 

@@ -98,7 +98,8 @@ class _Stop(threading.Thread):
         while self.is_alive() and not (stopped_by and self._is_one and told_code == client.RELEASED):
             self.join(_LOOK)
             if not stopped_by and (stopped_by := page.confirmed):
-                told_code, what = client.what_stands(is_off=page.is_off, off=self._off)
+                by_word = self._plan.target is None or self._plan.target.network.is_open
+                told_code, what = client.what_stands(is_off=page.is_off, off=self._off, by_word=by_word)
                 told = f"{page.robot}: {what}, told by its page at {stopped_by}"
                 self.tell(client.Result(told_code, told, page.robot, engaged=True, off=page.is_off))
         if self._error is not None:

@@ -7,6 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, Final, Literal, Protocol
 
 import msgspec
@@ -17,7 +18,8 @@ from giraff_cli.network.topic_keys import is_declared
 from giraff_core.network import NetworkConfig, addresses
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import NobodyError, close_session, open_clients, way_to
+from giraff_node.network.session import NobodyError, close_session, open_clients, open_past_door, way_to
+from giraff_node.network.sockets import live_rendezvous
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
@@ -84,6 +86,8 @@ class RobotConnection:
         self._others: list[zenoh.Session] = []
         self._dialled: set[str] = set()  # doors, as Zenoh writes them
         self._looking: threading.Thread | None = None
+        self.own_host: list[zenoh.Session] = []
+        """Over each comes what the robots of one rendezvous on this very host say; of `estop`, nothing else."""
         self._is_closed = False
         self._pages = PageKeeper()
         self._complaints: dict[str, tuple[int, str]] = {}
@@ -147,6 +151,24 @@ class RobotConnection:
             self._looking = threading.Thread(target=self._open_other_doors, args=(on_door,), daemon=True)
             self._looking.start()
 
+    def open_own_host(self) -> list[threading.Thread]:
+        """Begin to link to each robot of this very host past its door, by threads that end. `own_host` takes them."""
+        with contextlib.suppress(ConfigError):  # this user may ask none
+            ways = live_rendezvous(self.network)
+            threads = [threading.Thread(target=self._open_past_door, args=(way,), daemon=True) for way in ways]
+            for thread in threads:
+                thread.start()
+            return threads
+        return []
+
+    def _open_past_door(self, rendezvous: Path) -> None:
+        with contextlib.suppress(ConfigError, zenoh.ZError):
+            session = open_past_door(self.network, rendezvous)
+            if self._is_closed:
+                close_session(session)
+            else:
+                self.own_host.append(session)
+
     @property
     def is_looking(self) -> bool:
         """Whether a door may still answer of which nobody knows."""
@@ -171,7 +193,7 @@ class RobotConnection:
     def close(self, within: float = 1.0) -> bool:
         """Leave the network; False when Zenoh does not come back from it, after `within` s."""
         self._is_closed = True
-        closed = [close_session(session, within) for session in (self.session, *self._others)]
+        closed = [close_session(session, within) for session in (self.session, *self._others, *self.own_host)]
         self._pages.wait(within)
         return all(closed)
 

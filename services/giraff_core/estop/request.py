@@ -11,6 +11,8 @@ from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import printable
 
 NO_OFF: Final = "this robot's drive has no other off"
+BY_WORD: Final = "by the word of whoever answers as its base on this open network"
+"""Stands behind each stop that is confirmed where a stranger can answer and publish in base's name."""
 _MOST_BASES: Final = 16  # whose states are kept; on an open network anybody may tell one
 
 
@@ -103,9 +105,13 @@ class EStopRequest:
     """Asks base until it says that it has stopped and will stay so. Times are monotonic, s."""
 
     def __init__(
-        self, ask: Callable[[Callable[[EStopAnswer], bool | str], bool], Request], how_to_release: str
+        self,
+        ask: Callable[[Callable[[EStopAnswer], bool | str], bool], Request],
+        how_to_release: str,
+        *,
+        is_open: bool,
     ) -> None:
-        """`ask` begins to ask, for off or for a plain stop, until an answer settles it."""
+        """`ask` begins to ask, for off or for a plain stop, until an answer settles it. `is_open`: of the network."""
         self.text = ""
         """What the person who asked must know."""
         self.refused_off = ""
@@ -113,6 +119,7 @@ class EStopRequest:
         self._off = False  # what the request asks for
         self._ask = ask
         self._how_to_release = how_to_release
+        self._is_open = is_open
         self._request: Request | None = None
         self._confirmation = StopConfirmation()
 
@@ -137,9 +144,11 @@ class EStopRequest:
             self._request = None
             is_off = self._confirmation.is_off
             if self._off and not is_off:
-                self.text = self.refused_off = f"STOPPED, not off: {NO_OFF}; {self._how_to_release}"
+                word = f", {BY_WORD}" if self._is_open else ""
+                self.text = self.refused_off = f"STOPPED, not off: {NO_OFF}{word}; {self._how_to_release}"
             else:
-                self.text = f"{'OFF' if is_off else 'STOPPED'}: base has confirmed; {self._how_to_release}"
+                word = f", {BY_WORD}" if self._is_open else ": base has confirmed"
+                self.text = f"{'OFF' if is_off else 'STOPPED'}{word}; {self._how_to_release}"
             return True
         self._tell(self._request)
         return False

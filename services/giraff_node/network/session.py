@@ -175,6 +175,15 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
         raise NobodyError(", ".join(each.partition("/")[2] for each in doors))
 
 
+def open_past_door(network: NetworkConfig, rendezvous: Path) -> zenoh.Session:
+    """Link to a robot's processes on this very host, at their rendezvous. Raises ConfigError and `zenoh.ZError`.
+
+    What base says comes over such a link from this host alone.
+    """
+    config = session_config(network, "*", "client")
+    return _open(config | {"connect": config["connect"] | {"endpoints": [f"{PROTOCOL}/{rendezvous}"]}})
+
+
 def _is_foreign(network: NetworkConfig, door: str, session: zenoh.Session) -> bool:
     """Tell whether a router answers at this host's own door, where nobody has named one: ROS 2 has its router there."""
     is_named = network.router or door in [way_to(network, address) for address in network.connect]

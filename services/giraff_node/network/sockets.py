@@ -68,6 +68,12 @@ def live_sockets(folder: Path) -> tuple[str, ...]:
     return tuple(sorted({lock.stem.rpartition("-")[0] for lock in locks}))
 
 
+def live_rendezvous(network: NetworkConfig) -> tuple[Path, ...]:
+    """Return each rendezvous of this host, of any port, at which somebody listens. Raises ConfigError."""
+    locks = socket_folder(network).parent.glob("*/rendezvous.lock")
+    return tuple(lock.with_suffix("") for lock in locks if _is_held(lock))
+
+
 def _is_held(lock: Path) -> bool:
     try:
         with contextlib.suppress(FileNotFoundError), lock.open("rb") as held:

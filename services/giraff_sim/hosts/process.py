@@ -87,6 +87,7 @@ class Process:
         self.name = name
         self.instance = instance
         self.hostname = host.name
+        self.is_open = False  # no stranger is on a simulated network
         self.store = ProcessStore(host.disk, lambda: not self.ended, self.wake)
         self.on_reconfigured: Callable[[Any], None] | None = None
         self.paused = False

@@ -74,7 +74,7 @@ export class StopRequest {
     const who = `by ${this.latch.by}: ${this.latch.reason}`;
     const what = this.latch.off ? "OFF" : "STOPPED";
     if (!linked) return `When last heard: ${what} ${who}`;
-    return !this.latch.off && now - this._offSaidAt < PATIENCE ? "STOPPED; off is asked for" : `${what}, confirmed, ${who}`;
+    return !this.latch.off && now - this._offSaidAt < PATIENCE ? "STOPPED; off is asked for" : `${what}, ${this.latch.word}, ${who}`;
   }
 }
 

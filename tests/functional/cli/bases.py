@@ -12,7 +12,7 @@ import msgspec
 import zenoh
 
 from giraff_core.network import NetworkConfig
-from giraff_node.network.session import close_session, open_session
+from giraff_node.network.session import Role, close_session, open_session
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
@@ -79,9 +79,13 @@ class Base:
 
 @contextmanager
 def base(
-    network: NetworkConfig, answer: Answer = lambda _: DONE, state: EStop = LATCHED, instance: str = "b"
+    network: NetworkConfig,
+    answer: Answer = lambda _: DONE,
+    state: EStop = LATCHED,
+    instance: str = "b",
+    role: Role = "client",
 ) -> Iterator[Base]:
-    session = open_session(network, ROBOT, "client")
+    session = open_session(network, ROBOT, role, visits=role == "inside")
     made = Base(session, answer, state, instance)
     try:
         yield made

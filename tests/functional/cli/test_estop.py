@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from contextlib import ExitStack
 from typing import Any
 
 import pytest
@@ -11,9 +12,10 @@ import pytest
 from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
+from giraff_core.estop.request import BY_WORD
 from giraff_core.network import NetworkConfig
 from giraff_node.network.discovery import RobotMonitor
-from giraff_node.network.session import close_session, open_session
+from giraff_node.network.session import Role, close_session, open_session
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import alive_key
@@ -55,6 +57,25 @@ def test_a_stop_and_a_reset_are_told_once_base_confirms_them(
     request, _ = robot.asked[-1]
     assert isinstance(request, EStopReset)
     assert (request.id, request.tick is not None and request.tick.epoch) == (7, EPOCH)
+
+
+@pytest.mark.parametrize(("role", "whose"), [("inside", ""), ("client", f", {BY_WORD}")])
+def test_on_an_open_network_only_a_base_of_this_very_host_proves_a_stop(
+    role: Role, whose: str, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A stranger, the door's client, answers and says base's own `estop`, while the true base hangs."""
+    if not whose:
+        monkeypatch.setattr("giraff_cli.estop.witness._WITHIN", 60.0)
+    folder = str(tmp_path_factory.mktemp("own"))
+    network = NetworkConfig(mode="fixed", rendezvous=f"127.0.0.1:{free_port()}", sockets=folder)
+    with ExitStack() as left:
+        for each in ("door", "inside"):  # the first answers at the rendezvous, the second at the sockets
+            left.callback(close_session, open_session(network, ROBOT, each))
+        left.enter_context(base(network, role=role))
+        connection = RobotConnection(ROBOT, open_session(network, ROBOT, "client"), network=network)
+        left.callback(connection.close)
+        result = engage(connection, "me", "a cat", 60.0)
+    assert (result.code, result.text.partition(";")[0]) == (0, f"{ROBOT}: STOPPED{whose}, latch 7")
 
 
 def test_a_base_that_hangs_does_not_hide_the_answer_of_another(

@@ -19,6 +19,7 @@ import pytest
 from giraff_cli.estop import engage
 from giraff_cli.network.command import UnopenedError
 from giraff_cli.network.pages import page_file
+from giraff_core.estop.request import BY_WORD
 from giraff_schemas.health import WebPage
 from giraff_web.server.certificates import made_certificate, own_names
 from tests.support.waiting import wait
@@ -95,13 +96,14 @@ def test_a_page_that_is_known_confirms_while_zenoh_still_shakes_hands(
         assert not shaking.is_set()
         shaking.set()
     assert served.asked == ["/stop"] * 3, "asked again until base's word was there"
-    assert capsys.readouterr() == (f"anne: STOPPED, told by its page at {served.address}\n", "")
+    assert capsys.readouterr() == (f"anne: STOPPED, {BY_WORD}, told by its page at {served.address}\n", "")
 
 
 def test_a_page_that_is_known_confirms_where_zenoh_cannot_be_opened_but_not_at_another_address(
     state: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(engage, "visit", unopened)
+    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
     with page(state, STOPPED, STOPPED) as served:
         keep(served.place)
         assert engage.engage_by_plan("anne", (), "", 60.0) == 0

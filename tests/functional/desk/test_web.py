@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
+from giraff_core.estop.request import BY_WORD
 from giraff_schemas.messages import TruePose
 from giraff_schemas.topics import ESTOP, TRUE_POSE
 from tests.support.browser import Browser, Device, Phone, browser
@@ -286,7 +287,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         assert laptop.violations() == []
         tap(laptop, "STOP")
         phone.wait(lambda: (estop := observer.newest(ESTOP)) is not None and estop.engaged, "a stop that base confirms")
-        laptop.wait(lambda: "STOPPED, confirmed" in laptop.told(), "a stop that is shown as confirmed")
+        laptop.wait(lambda: f"STOPPED, {BY_WORD}" in laptop.told(), "a stop that is shown as confirmed")
         assert laptop.page.locator("#why").inner_text().startswith("STOPPED. "), laptop.told()
         assert laptop.page.locator("[data-freedom=stopped]").count() == 4, laptop.told()
         laptop.page.get_by_role("button", name="STOP", exact=True).hover()

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from giraff_core.estop.request import BY_WORD
 from giraff_sim.board import ROOT
 from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import PATIENCE
@@ -154,7 +155,8 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
 
     code, told = newcomer.pastes(printed["estop"])
     assert code == 0, told
-    assert ": STOPPED, latch " in told
+    # On a busy machine base may not prove in time that it is of this host.
+    assert re.search(rf": STOPPED(, {BY_WORD})?, latch ", told)
     code, told = newcomer.pastes(printed["why"])
     assert code == 1, told
     assert "e-stop: engaged by" in told

@@ -47,7 +47,7 @@ class Network:
     def __init__(self) -> None:
         self.clock = Clock()
         self.session = Session(self.clock)
-        at = NetworkConfig(connect=("192.168.1.20",))
+        at = NetworkConfig(connect=("192.168.1.20",), local=True)
         self.connection = RobotConnection(ROBOT, cast(Any, self.session), network=at)
 
     @contextmanager

@@ -43,14 +43,24 @@ STATED = EStop(instance="base-1", engaged=True, id=4, by="me", reason="space bar
 
 def test_nothing_is_asked_before_the_space_bar() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it")
+    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
     assert not stopping.poll(0.0)
     assert (line.requests, stopping.asked, stopping.text) == (0, False, "")
 
 
-def test_it_asks_until_base_confirms() -> None:
+@pytest.mark.parametrize(
+    ("is_open", "says"),
+    [
+        (False, "STOPPED: base has confirmed; press r to release it"),
+        (
+            True,
+            "STOPPED, by the word of whoever answers as its base on this open network; press r to release it",
+        ),
+    ],
+)
+def test_it_asks_until_base_confirms(is_open: bool, says: str) -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it")
+    stopping = EStopRequest(line.ask, "press r to release it", is_open=is_open)
     stopping.engage()
     assert "NOT CONFIRMED" in stopping.text
     line.fault = "estop/engage: nobody there"
@@ -65,14 +75,13 @@ def test_it_asks_until_base_confirms() -> None:
     stopping.on_sample(STATED)
     assert stopping.poll(2.0)
     assert not stopping.asked
-    assert "STOPPED" in stopping.text
-    assert "press r to release it" in stopping.text
+    assert stopping.text == says
     assert not stopping.poll(2.1)
 
 
 def test_an_answer_that_does_not_confirm_is_told_and_asked_again() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it")
+    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
     stopping.engage()
     line.refusal = EStopAnswer(done=False, engaged=True, id=4, reason="disk full")
     for turn in range(21):
@@ -83,7 +92,7 @@ def test_an_answer_that_does_not_confirm_is_told_and_asked_again() -> None:
 
 def test_pressed_again_while_asking_it_is_one_request() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it")
+    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
     for _ in range(5):
         stopping.engage()
         stopping.poll(0.0)
@@ -92,7 +101,7 @@ def test_pressed_again_while_asking_it_is_one_request() -> None:
 
 def test_it_can_stop_again_after_a_reset() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it")
+    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
     line.answer = STOPPED
     stopping.engage()
     stopping.on_sample(STATED)

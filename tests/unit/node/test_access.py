@@ -21,6 +21,7 @@ from giraff_schemas.topics import (
     CAMERA_ON,
     CAMERA_PICTURES,
     CMD_VEL,
+    ESTOP,
     ESTOP_ENGAGE,
     ESTOP_RESET,
     LOCALIZATION_GLOBAL,
@@ -247,7 +248,7 @@ def test_a_robot_on_several_hosts_needs_certificates(mode: str) -> None:
 def test_who_is_inside_takes_what_base_and_guard_act_on_over_no_link_to_another_host(link: str) -> None:
     control = with_inside({}, is_split=False)
     assert control["default_permission"] == "deny"  # of a link that is of no known kind
-    for topic in (TICK, WHEELS, CMD_VEL, RANGE.at("rear")):
+    for topic in (TICK, WHEELS, CMD_VEL, RANGE.at("rear"), ESTOP):
         assert denies(control, "ingress", link, key_of(ROBOT, topic))
 
 

@@ -52,6 +52,7 @@ class Robot:
     """What the service has of its `IO`: what it asks and holds is kept."""
 
     instance = "me"
+    is_open = False
 
     def __init__(self) -> None:
         self.asked: list[Asked] = []

@@ -3,6 +3,7 @@
 import msgspec
 import pytest
 
+from giraff_core.estop.request import BY_WORD
 from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
 from giraff_web.config import WebConfig
@@ -18,8 +19,8 @@ TICK = RobotTime(epoch=7, robot_ns=1 << 62)
 class Shown:
     """A picture, and the policy whose driver it tells."""
 
-    def __init__(self) -> None:
-        self.picture = Picture(ROBOT)
+    def __init__(self, *, is_open: bool = False) -> None:
+        self.picture = Picture(ROBOT, is_open=is_open)
         self.policy = WebPolicy(WebConfig(), ROBOT, "me")
         self.policy.operator.on_tick(Tick(instance="base", epoch=7, robot_ns=1 << 62), 0.0)
 
@@ -133,6 +134,15 @@ def test_numbers_that_a_page_cannot_hold_are_texts() -> None:
     assert state.stop is not None
     assert (state.stop.id, state.stop.engaged_ns) == (str((1 << 53) - 1), str(1 << 62))
     assert (state.stop.reason, state.stop.remedy) == ("y", f"free it, then {RELEASE}")
+
+
+@pytest.mark.parametrize(("is_open", "word"), [(False, "confirmed"), (True, BY_WORD)])
+def test_whose_word_a_stop_is_stands_beside_it(is_open: bool, word: str) -> None:
+    shown = Shown(is_open=is_open)
+    shown.picture.take(EStop(instance="base", engaged=True, id=1, by="x", reason="y"), 0.0)
+    state = shown.at(0.1)
+    assert state.stop is not None
+    assert state.stop.word == word
 
 
 def test_who_drives_is_named() -> None:

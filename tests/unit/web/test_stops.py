@@ -40,7 +40,7 @@ class Base:
     def __init__(self) -> None:
         self.asked: list[Asked] = []
         self.log: list[str] = []
-        self.stops = Stops(self.engage, self.ask, self.log.append)
+        self.stops = Stops(self.engage, self.ask, self.log.append, is_open=False)
 
     def engage(self, device: str, settles: Callable[[EStopAnswer], bool | str], off: bool) -> Asked:
         asked = self.ask(f"{device}, off" if off else device)

@@ -5,7 +5,14 @@ import { test } from "node:test";
 
 import { AGAIN, HELD, LONGEST, StopRequest, isSameStop } from "../../../../services/giraff_web/page/stop.js";
 
-const latch = (engaged = true, id = "1", engaged_ns = "5") => ({ engaged, by: "ann", reason: "a chair", id, engaged_ns });
+const latch = (engaged = true, id = "1", engaged_ns = "5") => ({
+  engaged,
+  word: "confirmed",
+  by: "ann",
+  reason: "a chair",
+  id,
+  engaged_ns,
+});
 
 test("nothing is confirmed before a state says so", () => {
   const stop = new StopRequest();
@@ -19,6 +26,8 @@ test("nothing is confirmed before a state says so", () => {
   assert.equal(stop.text(11, true), "NOT CONFIRMED: use the battery switch");
   stop.onLatch(latch());
   assert.equal(stop.text(11.1, true), "STOPPED, confirmed, by ann: a chair");
+  stop.onLatch({ ...latch(), word: "by the word of whoever answers" });
+  assert.equal(stop.text(11.2, true), "STOPPED, by the word of whoever answers, by ann: a chair");
 });
 
 test("a second press does not hide that the first was not confirmed", () => {
