@@ -58,10 +58,16 @@ class Robot:
 
     def ros(self, words: str) -> Any:
         """Tell the node something, and return what it says."""
+        self.tell(words)
+        return self.answer()
+
+    def tell(self, words: str) -> None:
         assert self.node.stdin is not None
-        assert self.node.stdout is not None
         self.node.stdin.write(f"{words}\n")
         self.node.stdin.flush()
+
+    def answer(self) -> Any:
+        assert self.node.stdout is not None
         return json.loads(self.node.stdout.readline())
 
     def way(self, seconds: float) -> float:
@@ -168,6 +174,22 @@ def test_a_frozen_process_that_wakes_moves_nothing(robot: Robot) -> None:
     robot.node.send_signal(signal.SIGCONT)
     assert robot.way(5.0) < 0.002
     robot.ros("drive 0 0")
+
+
+def test_a_goal_of_now_is_driven_to_and_one_of_a_frozen_process_is_not(robot: Robot) -> None:
+    began = robot.observer.newest(TRUE_POSE)
+    assert began is not None
+    robot.ros(f"goal {began.x + 0.4}")
+    assert robot.way(8.0) > 0.1
+    robot.node.send_signal(signal.SIGSTOP)
+    robot.tell(f"goal {began.x}")
+    time.sleep(5.0)
+    robot.node.send_signal(signal.SIGCONT)
+    robot.answer()
+    before = robot.observer.newest(TRUE_POSE)
+    assert robot.way(5.0) < 0.002
+    after = robot.observer.newest(TRUE_POSE)
+    assert (before is not None and before.yaw) == pytest.approx(after is not None and after.yaw, abs=0.01)
 
 
 def test_its_emergency_stop_is_called(robot: Robot) -> None:

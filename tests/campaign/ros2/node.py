@@ -2,7 +2,7 @@
 
 `graph`: nodes, topics, services and the publishers of /odom. `read SECONDS`: what each topic says in that time, each
 message as time of arrival, stamp in ns and values. `call`: /giraff/estop. `drive SPEED HZ`: publish on /cmd_vel, with
-0 Hz one message.
+0 Hz one message. `goal X`: one /goal_pose at X m in odom.
 """
 
 # Its modules are in the venv of prepare.py alone.
@@ -19,7 +19,7 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import BatteryState, CompressedImage, Imu, Range
@@ -46,6 +46,7 @@ class Talker:
         rclpy.init()
         self.node = rclpy.create_node("real_ros")
         self.publisher = self.node.create_publisher(Twist, "/cmd_vel", 10)
+        self.goals = self.node.create_publisher(PoseStamped, "/goal_pose", 10)
         self.client = self.node.create_client(Trigger, "/giraff/estop")
         self.speed, self.hz = 0.0, 0.0
         threading.Thread(target=rclpy.spin, args=(self.node,), daemon=True).start()
@@ -103,6 +104,12 @@ class Talker:
         self.speed, self.hz = float(speed), float(hz)
         if not self.hz:
             self.publish()
+
+    def goal(self, x: str) -> None:
+        pose = PoseStamped()
+        pose.header.frame_id = "odom"
+        pose.pose.position.x = float(x)
+        self.goals.publish(pose)
 
 
 answers = os.fdopen(os.dup(1), "w")
