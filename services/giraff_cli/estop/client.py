@@ -11,9 +11,8 @@ import shlex
 import time
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-from giraff_cli.estop.witness import Witness
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.program import called_here
 from giraff_core.estop.request import BY_WORD, NO_OFF
@@ -28,6 +27,9 @@ from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, key_of
 from giraff_schemas.trouble import trouble_of
+
+if TYPE_CHECKING:
+    from giraff_cli.estop.witness import Witness
 
 RELEASED: Final = 0
 ENGAGED: Final = 1
@@ -99,6 +101,8 @@ def engage(
         return _doubtful(connection, robot, doubt)
     if answer is not None:
         other.end(robot)
+        from giraff_cli.estop.witness import Witness  # noqa: PLC0415  no stop waits for it
+
         return _confirmed(Witness(connection, wish), robot, answer, asking)
     return _unconfirmed(robot, asking, timeout)
 
@@ -156,6 +160,8 @@ def _engage_heard(
     codes = [UNKNOWN if doubt else RELEASED]
     tell_once = functools.cache(tell)  # one robot may be heard at two doors
     teller = ThreadPoolExecutor(1)  # what is looked up for a sentence takes up to 0.5 s, in which the others are asked
+    from giraff_cli.estop.witness import Witness  # noqa: PLC0415
+
     witness, confirmed = Witness(connection, wish), list[Future[int]]()
     newest = time.monotonic()
     until = newest + _left(connection, timeout)
@@ -272,7 +278,7 @@ def what_stands(*, is_off: bool, off: bool, by_word: bool = False) -> tuple[int,
 
 def _confirmed(witness: Witness, robot: str, answer: EStopAnswer, asking: EStopClient) -> Result:
     connection, is_off = witness.connection, asking.is_off
-    by_word = connection.network.is_open and not witness.has_heard(robot)
+    by_word = connection.network.is_open and not witness.has_heard(robot, answer.instance)
     way = [word for address in connection.network.connect for word in ("--connect", address)]
     release = shlex.join([*called_here(), "estop", "reset", "--robot", robot, *way])
     code, what = what_stands(is_off=is_off, off=witness.wish.off, by_word=by_word)

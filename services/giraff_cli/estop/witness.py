@@ -13,31 +13,31 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_node.network.query_client import EStopClient
 from giraff_schemas.requests import EStopEngage
 
-_WITHIN: Final = 0.5  # s in which the bases of this host have told their word, or there are none
+_WITHIN: Final = 0.5  # s in which a base of this host has told its word, or there is none
 _TURN: Final = 0.01  # s
 
 
 class Witness:
-    """Asks the bases of this very host once more, past the door.
+    """Asks the base of this very host once more, past the door.
 
-    Over their Unix sockets comes no word of a stranger: access control passes `estop` from this host alone there.
+    Over its Unix sockets comes no word of a stranger: access control passes `estop` from this host alone there.
     """
 
     def __init__(self, connection: RobotConnection, wish: EStopEngage) -> None:
         self.connection, self.wish = connection, wish
         self._until: float | None = None
-        self._opening: list[threading.Thread] = []
+        self._opening: threading.Thread | None = None
 
-    def has_heard(self, robot: str) -> bool:
-        """Whether base itself has said that it has stopped. It takes 0.5 s at most, for all robots together."""
+    def has_heard(self, robot: str, instance: str) -> bool:
+        """Whether this base itself has said that it has stopped. It takes 0.5 s at most, for all robots together."""
         if self._until is None:
             self._until, self._opening = time.monotonic() + _WITHIN, self.connection.open_own_host()
         asking: list[EStopClient] = []
         with contextlib.suppress(zenoh.ZError):  # that session has ended
             while (now := time.monotonic()) < self._until:
-                is_opening = any(thread.is_alive() for thread in self._opening)
+                is_opening = self._opening is not None and self._opening.is_alive()
                 asking += [EStopClient(each, robot, self.wish) for each in self.connection.own_host[len(asking) :]]
-                if any(each.poll(now) is not None for each in asking):
+                if any((it := each.poll(now)) is not None and it.instance == instance for each in asking):
                     return True
                 if not (asking or is_opening):
                     break

@@ -87,7 +87,7 @@ class RobotConnection:
         self._dialled: set[str] = set()  # doors, as Zenoh writes them
         self._looking: threading.Thread | None = None
         self.own_host: list[zenoh.Session] = []
-        """Over each comes what the robots of one rendezvous on this very host say; of `estop`, nothing else."""
+        """One at most. Of `estop`, it hears what the robot of this very host says, and nothing else."""
         self._is_closed = False
         self._pages = PageKeeper()
         self._complaints: dict[str, tuple[int, str]] = {}
@@ -151,15 +151,14 @@ class RobotConnection:
             self._looking = threading.Thread(target=self._open_other_doors, args=(on_door,), daemon=True)
             self._looking.start()
 
-    def open_own_host(self) -> list[threading.Thread]:
-        """Begin to link to each robot of this very host past its door, by threads that end. `own_host` takes them."""
+    def open_own_host(self) -> threading.Thread | None:
+        """Begin to link to the robot of this very host past its door, by a thread that ends. It fills `own_host`."""
         with contextlib.suppress(ConfigError):  # this user may ask none
-            ways = live_rendezvous(self.network)
-            threads = [threading.Thread(target=self._open_past_door, args=(way,), daemon=True) for way in ways]
-            for thread in threads:
+            if way := live_rendezvous(self.network):
+                thread = threading.Thread(target=self._open_past_door, args=(way,), daemon=True)
                 thread.start()
-            return threads
-        return []
+                return thread
+        return None
 
     def _open_past_door(self, rendezvous: Path) -> None:
         with contextlib.suppress(ConfigError, zenoh.ZError):

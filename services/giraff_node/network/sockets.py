@@ -68,10 +68,10 @@ def live_sockets(folder: Path) -> tuple[str, ...]:
     return tuple(sorted({lock.stem.rpartition("-")[0] for lock in locks}))
 
 
-def live_rendezvous(network: NetworkConfig) -> tuple[Path, ...]:
-    """Return each rendezvous of this host, of any port, at which somebody listens. Raises ConfigError."""
-    locks = socket_folder(network).parent.glob("*/rendezvous.lock")
-    return tuple(lock.with_suffix("") for lock in locks if _is_held(lock))
+def live_rendezvous(network: NetworkConfig) -> Path | None:
+    """Return the rendezvous of this host if somebody listens there. Raises ConfigError."""
+    meeting = socket_folder(network) / "rendezvous"
+    return meeting if _is_held(meeting.with_suffix(".lock")) else None
 
 
 def _is_held(lock: Path) -> bool:

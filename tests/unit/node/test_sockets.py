@@ -1,4 +1,4 @@
-"""Sockets that dead processes have left."""
+"""Sockets at which processes of one host meet, and those that dead ones have left."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from giraff_core.network import NetworkConfig
 from giraff_node.network import sockets
 
 
@@ -32,3 +33,13 @@ def test_a_dead_process_of_another_user_keeps_no_socket(
             listening.close()
         sockets.own_socket(Path(), "base")
     assert (path.exists(), lock.exists()) == (is_alive, is_alive)
+
+
+def test_only_the_rendezvous_of_this_network_counts_and_only_while_somebody_listens(tmp_path: Path) -> None:
+    """Robots at other ports of this host are others, whatever they are called."""
+    ours, other = (NetworkConfig(rendezvous=f"127.0.0.1:{port}", sockets=str(tmp_path)) for port in (7001, 7002))
+    with (sockets.socket_folder(other) / "rendezvous.lock").open("wb") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert sockets.live_rendezvous(ours) is None
+        assert sockets.live_rendezvous(other) == tmp_path / "7002" / "rendezvous"
+    assert sockets.live_rendezvous(other) is None
