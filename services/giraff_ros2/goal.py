@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-from giraff_core.freshness import age
 from giraff_core.io import IO
 from giraff_core.motion.held import HeldMotion
 from giraff_core.motion.requester import MotionRequester
@@ -19,7 +18,7 @@ from giraff_ros2.hand.clock import OLD, PublisherClock
 from giraff_ros2.port import Received
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import Odometry, RobotTime, Sample, Tick
+from giraff_schemas.messages import Odometry, Sample, Tick
 from giraff_schemas.motion import GoTo, MotionState, Step, Turn
 from giraff_schemas.services import MOTION as MOTION_SERVICE
 from giraff_schemas.text import printable
@@ -34,9 +33,13 @@ _BEGINS_WITHIN: Final = 3.0
 _POSE_COUNTS: Final = 1.0  # s
 AWAKE: Final = 1.0
 """s for which the process of a goal's publisher must have been awake before the goal came."""
+_STOOD_STILL: Final = 0.4
+"""s that this process may stand still, or its host be suspended, before a goal that waits may be an old one."""
 _MOST: Final = 32  # publishers whose clocks are remembered
 _TOLD_FOR: Final = 30.0
 """s for which the end of a motion is told that has not arrived."""
+
+_STILL: Final = "giraff_ros2 or its host stood still, and the goal may be an old one"
 
 
 class Goals:
@@ -52,11 +55,12 @@ class Goals:
         self._requester: MotionRequester | None = None
         self._motion: HeldMotion | None = None
         self._trouble, self._told_at = WELL, -math.inf
-        self._now = -math.inf  # of the last turn
+        self._now = math.inf  # of the last turn; there was none
         self._clocks: dict[bytes, PublisherClock] = {}  # by the publisher's id
         self._link = RobotLink()
-        self._given_tick: RobotTime | None = None
-        """The robot's newest when the goal came. Nothing renews it."""
+        self._behind = math.inf
+        """s by which the robot's clock was behind this host's at the newest tick. A suspended host's stands still."""
+        self._woke_at = -math.inf
 
     @property
     def is_active(self) -> bool:
@@ -70,6 +74,7 @@ class Goals:
 
     def on_goal(self, received: Received, answers: Answers | None, now: float) -> None:
         """Take a goal. It replaces the one before it. `answers`: of its publisher's process; None: it is not there."""
+        self._look_at_clock(now)
         pose, frame = received.message.pose, received.message.header.frame_id
         at, turned = pose.position, pose.orientation
         norm = math.hypot(turned.z, turned.w)
@@ -85,7 +90,7 @@ class Goals:
             self.cancel("another goal was given", now)
             self._trouble = WELL
             self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w)
-            self._given_at, self._given_tick = received.at, self._link.tick
+            self._given_at = received.at
 
     def on_refused(self, trouble: Trouble, now: float) -> None:
         """Take that a sample was no goal."""
@@ -102,7 +107,12 @@ class Goals:
 
     def on_tick(self, tick: Tick, now: float) -> None:
         """Take the robot's clock."""
+        newest = self._link.tick
         self._link.on_tick(tick, now)
+        if self._link.tick is not newest:
+            before, self._behind = self._behind, now - tick.robot_ns * 1e-9
+            if before - self._behind > _STOOD_STILL and newest is not None:
+                self._wake(now)
         if self._requester is not None:
             self._requester.on_tick(tick, now)
 
@@ -120,11 +130,24 @@ class Goals:
 
     def turn(self, now: float, driver: str) -> None:
         """Ask, hold and end. `driver`: name of the operator that holds the lease; empty: none."""
+        self._look_at_clock(now)
         self._now = now
         if self._motion is not None:
             self._go_on(self._motion, now)
         elif self._goal is not None:
             self._begin(*self._goal, now, driver)
+
+    def _look_at_clock(self, now: float) -> None:
+        if now - self._now > _STOOD_STILL:
+            self._wake(now)
+
+    def _wake(self, now: float) -> None:
+        """Drop a goal that has waited while this process stood still."""
+        self._woke_at = now
+        is_asked = self._motion is not None and self._motion.has_asked
+        if self.is_active and not is_asked:
+            self._goal = self._requester = self._motion = None
+            self._tell(f"{_STILL}; give it again", now)
 
     def _age_fault(self, received: Received, answers: Answers | None, now: float) -> str:
         """Return why nobody knows that a goal was given just now; empty: it was.
@@ -139,6 +162,8 @@ class Goals:
         clock = self._clocks.setdefault(received.gid, PublisherClock())
         if clock.lateness(received.sent_ns, received.at) > OLD:
             return f"it is more than {OLD:g} s older than those before it, or the clock of its host was set back"
+        if now - self._woke_at < AWAKE:
+            return _STILL
         if math.isinf(answers.newest):
             return "its process answers no question, as those of rmw_zenoh do, and nobody knows how old it is"
         if received.at - answers.prompt_since(received.at) < AWAKE:
@@ -146,13 +171,8 @@ class Goals:
         return "the robot is not heard" if self._link.link_fault(now) else ""
 
     def _is_late(self, now: float) -> bool:
-        """Return whether the newest goal is too old to be asked for: nobody expects the robot to move by it.
-
-        The robot's ticks count the time, too, in which this host was suspended.
-        """
-        newest = self._link.tick
-        by_ticks = math.inf if newest is None else age(self._given_tick, newest)
-        return max(now - self._given_at, by_ticks) > _BEGINS_WITHIN
+        """Return whether the newest goal is too old to be asked for: nobody expects the robot to move by it."""
+        return now - self._given_at > _BEGINS_WITHIN
 
     def _begin(self, frame: str, x: float, y: float, yaw: float, now: float, driver: str) -> None:
         is_free = driver in ("", MOTION_SERVICE.name)

@@ -271,18 +271,18 @@ def test_a_goal_of_long_ago_moves_nothing(moment: str) -> None:
     rviz.run()
     rviz.is_heard = "not heard" not in moment
     if moment == "frozen before":  # it has waited in the network
-        rviz.now += 2.0
+        rviz.now += 0.5
         rviz.goals.on_tick(Tick(epoch=1, robot_ns=round(rviz.now * 1e9)), rviz.now)
     rviz.give(2.0, 0.0)
     if moment == "suspended":  # no monotonic clock counts it
-        rviz.suspended = 600.0
+        rviz.suspended = 0.5
     assert rviz.run(0.5, driver="ros2" if "while it waits" in moment else "") == []
     if moment == "not heard":
         assert rviz.run(10.0) == []
     elif moment in ("frozen while it waits", "frozen while not heard"):
-        rviz.now += 600.0
+        rviz.now += 0.5
     elif moment == "suspended while it waits":
-        rviz.suspended = 600.0
+        rviz.suspended = 0.5
     rviz.is_heard = True
     assert rviz.run(1.1) == []
     assert not rviz.goals.is_active
@@ -315,6 +315,14 @@ def test_a_goal_counts_of_a_process_alone_that_was_awake_for_a_second_before_it(
     rviz.run(0.1)
     rviz.give(2.0, 0.0)
     assert len(rviz.run()) == 1
+
+
+def test_a_process_that_nobody_asks_is_not_awake() -> None:
+    answers = Answers()
+    for asked in (1.0, 1.2, 2.0):
+        answers.on_question(asked)
+        answers.on_answer(asked, asked)
+    assert [answers.prompt_since(now) for now in (2.3, 2.31)] == [2.0, math.inf]
 
 
 def test_a_goal_of_a_process_that_answers_nothing_is_refused() -> None:
