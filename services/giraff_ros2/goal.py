@@ -39,7 +39,7 @@ _MOST: Final = 32  # publishers whose clocks are remembered
 _TOLD_FOR: Final = 30.0
 """s for which the end of a motion is told that has not arrived."""
 
-_STILL: Final = "giraff_ros2 or its host stood still, and the goal may be an old one"
+_STILL: Final = "giraff_ros2, its host or its link to the robot stood still, and the goal may be an old one"
 
 
 class Goals:

@@ -26,7 +26,7 @@ class Witness:
     def __init__(self, connection: RobotConnection, wish: EStopEngage) -> None:
         self.connection, self.wish = connection, wish
         self._until: float | None = None
-        self._opening: threading.Thread | None = None
+        self._opening: list[threading.Thread] = []
 
     def has_heard(self, robot: str, instance: str) -> bool:
         """Whether this base itself has said that it has stopped. It takes 0.5 s at most, for all robots together."""
@@ -35,7 +35,7 @@ class Witness:
         asking: list[EStopClient] = []
         with contextlib.suppress(zenoh.ZError):  # that session has ended
             while (now := time.monotonic()) < self._until:
-                is_opening = self._opening is not None and self._opening.is_alive()
+                is_opening = any(thread.is_alive() for thread in self._opening)
                 asking += [EStopClient(each, robot, self.wish) for each in self.connection.own_host[len(asking) :]]
                 if any((it := each.poll(now)) is not None and it.instance == instance for each in asking):
                     return True

@@ -87,7 +87,7 @@ class RobotConnection:
         self._dialled: set[str] = set()  # doors, as Zenoh writes them
         self._looking: threading.Thread | None = None
         self.own_host: list[zenoh.Session] = []
-        """One at most. Of `estop`, it hears what the robot of this very host says, and nothing else."""
+        """Of `estop`, they hear what the robot of this very host says, and nothing else."""
         self._is_closed = False
         self._pages = PageKeeper()
         self._complaints: dict[str, tuple[int, str]] = {}
@@ -151,14 +151,15 @@ class RobotConnection:
             self._looking = threading.Thread(target=self._open_other_doors, args=(on_door,), daemon=True)
             self._looking.start()
 
-    def open_own_host(self) -> threading.Thread | None:
-        """Begin to link to the robot of this very host past its door, by a thread that ends. It fills `own_host`."""
+    def open_own_host(self) -> list[threading.Thread]:
+        """Begin to link to the robot of this very host past its door, by threads that end. They fill `own_host`."""
         with contextlib.suppress(ConfigError):  # this user may ask none
-            if way := live_rendezvous(self.network):
-                thread = threading.Thread(target=self._open_past_door, args=(way,), daemon=True)
+            ways = live_rendezvous(self.network)
+            threads = [threading.Thread(target=self._open_past_door, args=(way,), daemon=True) for way in ways]
+            for thread in threads:
                 thread.start()
-                return thread
-        return None
+            return threads
+        return []
 
     def _open_past_door(self, rendezvous: Path) -> None:
         with contextlib.suppress(ConfigError, zenoh.ZError):

@@ -18,13 +18,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from giraff_core.network import NetworkConfig
+import msgspec
+
+from giraff_core.network import NetworkConfig, addresses
 from giraff_node.config.robot_file import ConfigError
 
 PROTOCOL: Final = "unixsock-stream"
 SHARED: Final = Path("/run/giraff/network")
 """Of the installed services, whose group may use it: `make install` and the image make it."""
 _GROUPS: Final = 0o2770  # all files in it belong to the group of the folder above
+_LOOPBACK: Final = ("127.0.0.1", "localhost", "[::1]")
 _LONGEST: Final = 107  # bytes of a path that Linux takes
 _STALE: Final = 60.0  # s; a younger socket may belong to a process that is just starting
 
@@ -68,10 +71,15 @@ def live_sockets(folder: Path) -> tuple[str, ...]:
     return tuple(sorted({lock.stem.rpartition("-")[0] for lock in locks}))
 
 
-def live_rendezvous(network: NetworkConfig) -> Path | None:
-    """Return the rendezvous of this host if somebody listens there. Raises ConfigError."""
-    meeting = socket_folder(network) / "rendezvous"
-    return meeting if _is_held(meeting.with_suffix(".lock")) else None
+def live_rendezvous(network: NetworkConfig) -> list[Path]:
+    """Return the rendezvous of the doors at this host's loopback, where somebody listens. Raises ConfigError.
+
+    Robots at other ports of this host are others, whatever they are called.
+    """
+    loopback = [address for address in addresses(network) if address.rpartition(":")[0] in _LOOPBACK]
+    folders = [socket_folder(msgspec.structs.replace(network, rendezvous=address)) for address in loopback]
+    meetings = [folder / "rendezvous" for folder in folders]
+    return [meeting for meeting in meetings if _is_held(meeting.with_suffix(".lock"))]
 
 
 def _is_held(lock: Path) -> bool:

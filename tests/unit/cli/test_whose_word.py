@@ -36,7 +36,7 @@ def test_a_stop_is_bases_own_word_only_where_no_stranger_can_say_it(
 ) -> None:
     """`is_here`: base says it over the sockets of this host, too."""
     monkeypatch.setattr("giraff_cli.estop.witness.time", network.clock)
-    monkeypatch.setattr(RobotConnection, "open_own_host", lambda *_: None)
+    monkeypatch.setattr(RobotConnection, "open_own_host", lambda *_: [])
     network.connection.own_host += [cast(Any, network.session)] * is_here
     network.connection.network = at
     told: list[Result] = []

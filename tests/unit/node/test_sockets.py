@@ -36,10 +36,12 @@ def test_a_dead_process_of_another_user_keeps_no_socket(
 
 
 def test_only_the_rendezvous_of_this_network_counts_and_only_while_somebody_listens(tmp_path: Path) -> None:
-    """Robots at other ports of this host are others, whatever they are called."""
-    ours, other = (NetworkConfig(rendezvous=f"127.0.0.1:{port}", sockets=str(tmp_path)) for port in (7001, 7002))
+    ours, other, dialled, remote = (
+        NetworkConfig(rendezvous=f"127.0.0.1:{port}", sockets=str(tmp_path), connect=connect)
+        for port, connect in ((7001, ()), (7002, ()), (7001, ("127.0.0.1:7002",)), (7001, ("192.168.1.5:7002",)))
+    )
     with (sockets.socket_folder(other) / "rendezvous.lock").open("wb") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
-        assert sockets.live_rendezvous(ours) is None
-        assert sockets.live_rendezvous(other) == tmp_path / "7002" / "rendezvous"
-    assert sockets.live_rendezvous(other) is None
+        assert [sockets.live_rendezvous(each) for each in (ours, remote)] == [[], []]
+        assert [sockets.live_rendezvous(each) for each in (other, dialled)] == [[tmp_path / "7002" / "rendezvous"]] * 2
+    assert sockets.live_rendezvous(other) == []
