@@ -115,7 +115,7 @@ class IO(Protocol):
     hostname: str
     """Name of the machine."""
     is_open: bool
-    """Whether the network is one on which another host may speak in base's name."""
+    """Another host of this network may speak in base's name."""
     on_reconfigured: Callable[[Any], None] | None
     """Takes the configuration between two turns whenever it has become another; None: no parameter changes live."""
 

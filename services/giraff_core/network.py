@@ -77,7 +77,7 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     @property
     def is_open(self) -> bool:
-        """Whether another host may speak in base's name. Nothing here knows what a file of Zenoh's own permits."""
+        """Return whether another host may speak in base's name. A file of Zenoh's own may permit it."""
         return bool(self.session_file) or not (self.local or self.mode == "secured")
 
     @property

@@ -59,7 +59,7 @@ class Goals:
         self._clocks: dict[bytes, PublisherClock] = {}  # by the publisher's id
         self._link = RobotLink()
         self._behind = math.inf
-        """s by which the robot's clock was behind this host's at the newest tick. A suspended host's stands still."""
+        """s. This host's clock minus the robot's at the newest tick. A suspended host's clock stands still."""
         self._woke_at = -math.inf
 
     @property
@@ -74,7 +74,7 @@ class Goals:
 
     def on_goal(self, received: Received, answers: Answers | None, now: float) -> None:
         """Take a goal. It replaces the one before it. `answers`: of its publisher's process; None: it is not there."""
-        self._look_at_clock(now)
+        self._notice_standstill(now)
         pose, frame = received.message.pose, received.message.header.frame_id
         at, turned = pose.position, pose.orientation
         norm = math.hypot(turned.z, turned.w)
@@ -112,7 +112,7 @@ class Goals:
         if self._link.tick is not newest:
             before, self._behind = self._behind, now - tick.robot_ns * 1e-9
             if before - self._behind > _STOOD_STILL and newest is not None:
-                self._wake(now)
+                self._on_standstill(now)
         if self._requester is not None:
             self._requester.on_tick(tick, now)
 
@@ -130,19 +130,20 @@ class Goals:
 
     def turn(self, now: float, driver: str) -> None:
         """Ask, hold and end. `driver`: name of the operator that holds the lease; empty: none."""
-        self._look_at_clock(now)
+        self._notice_standstill(now)
         self._now = now
         if self._motion is not None:
             self._go_on(self._motion, now)
         elif self._goal is not None:
             self._begin(*self._goal, now, driver)
 
-    def _look_at_clock(self, now: float) -> None:
+    def _notice_standstill(self, now: float) -> None:
+        """Notice by the time since the last turn that this process was frozen."""
         if now - self._now > _STOOD_STILL:
-            self._wake(now)
+            self._on_standstill(now)
 
-    def _wake(self, now: float) -> None:
-        """Drop a goal that has waited while this process stood still."""
+    def _on_standstill(self, now: float) -> None:
+        """Drop a goal that has waited meanwhile, and refuse others for a while."""
         self._woke_at = now
         is_asked = self._motion is not None and self._motion.has_asked
         if self.is_active and not is_asked:

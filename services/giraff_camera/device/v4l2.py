@@ -52,7 +52,7 @@ class V4l2Camera:
         self._queued = deque([self._opened] * buffers, buffers)
         """s. When the driver got each of its buffers to fill, the oldest first."""
         self._sends_ends = False
-        """Whether it has sent a JPEG with its end marker. Some cameras never do."""
+        """The camera has sent a JPEG with its end marker. Some cameras never do."""
 
     def read(self) -> Image:
         """Wait for the next picture that is whole. Raises DeviceError."""

@@ -29,7 +29,7 @@ class Witness:
         self._opening: list[threading.Thread] = []
 
     def has_heard(self, robot: str, instance: str) -> bool:
-        """Whether this base itself has said that it has stopped. It takes 0.5 s at most, for all robots together."""
+        """Return whether this base itself says that it has stopped. All calls together take 0.5 s at most."""
         if self._until is None:
             self._until, self._opening = time.monotonic() + _WITHIN, self.connection.open_own_host()
         asking: list[EStopClient] = []

@@ -87,7 +87,7 @@ class RobotConnection:
         self._dialled: set[str] = set()  # doors, as Zenoh writes them
         self._looking: threading.Thread | None = None
         self.own_host: list[zenoh.Session] = []
-        """Of `estop`, they hear what the robot of this very host says, and nothing else."""
+        """Sessions past the door. They hear `estop` from the robot of this very host alone."""
         self._is_closed = False
         self._pages = PageKeeper()
         self._complaints: dict[str, tuple[int, str]] = {}

@@ -143,12 +143,12 @@ class EStopRequest:
         if self._request.poll(now) is not None:
             self._request = None
             is_off = self._confirmation.is_off
+            word = f", {BY_WORD}" if self._is_open else ""
             if self._off and not is_off:
-                word = f", {BY_WORD}" if self._is_open else ""
                 self.text = self.refused_off = f"STOPPED, not off: {NO_OFF}{word}; {self._how_to_release}"
             else:
-                word = f", {BY_WORD}" if self._is_open else ": base has confirmed"
-                self.text = f"{'OFF' if is_off else 'STOPPED'}{word}; {self._how_to_release}"
+                what = "OFF" if is_off else "STOPPED"
+                self.text = f"{what}{word or ': base has confirmed'}; {self._how_to_release}"
             return True
         self._tell(self._request)
         return False
