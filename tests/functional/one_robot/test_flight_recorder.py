@@ -56,6 +56,7 @@ def test_a_stop_and_a_death_are_kept_with_what_came_before(robot: ProcessRobot) 
 
 def test_a_folder_that_cannot_be_written_is_a_fault_that_health_tells(robot: ProcessRobot) -> None:
     robot.stop("recorder")
+    (robot.state / "incidents").mkdir(exist_ok=True)  # the recorder makes it with its first file
     (robot.state / "incidents").rename(robot.state / "kept")
     (robot.state / "incidents").write_text("in the way")
     robot.start("recorder")
