@@ -9,11 +9,10 @@ from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room
 from tests.support.wheels import wheels_of
 
-_STOPS: Final = 0.3
-"""s from full speed to creep."""
+_MOST_TURN: Final = math.radians(35.0)
 
 
-def test_a_slipping_encoder_slows_to_creep_within_2_s_of_driving() -> None:
+def test_a_slipping_encoder_hardly_turns_the_robot() -> None:
     with closed_loop(proving_room()) as loop:
         arm(loop)
         loop.simulation.world.room.remove("walls")
@@ -24,14 +23,14 @@ def test_a_slipping_encoder_slows_to_creep_within_2_s_of_driving() -> None:
         while loop.simulation.now_us - began < 6_000_000:
             before, at_us = plant.pose.yaw, loop.simulation.now_us
             loop.step()
-            if fast_s < 2.0:
-                turned += math.remainder(plant.pose.yaw - before, math.tau)
+            turned += math.remainder(plant.pose.yaw - before, math.tau)
             if plant.speed > 1.2 * CREEP:
                 fast_s += (loop.simulation.now_us - at_us) * 1e-6
                 fastest = max(fastest, plant.speed)
         print(
             f"above creep for {fast_s:.2f} s, {fastest:.2f} m/s at most, turned by {math.degrees(turned):.0f} degrees"
         )
-        assert 0.0 < fast_s < 2.0 + _STOPS
+        assert 0.0 < fast_s < 1.0
+        assert abs(turned) < _MOST_TURN
         assert abs(plant.speed) <= 1.2 * CREEP
         assert "slowed: encoder or motor of the left wheel" in loop.newest["base"].reason

@@ -179,8 +179,8 @@ _SENSORS: Final = (
     Scenario(faults=(joystick_is("laid_down"),), bound=_LAID_DOWN, lasts=2.5),
 )
 
-_DOUBTED: Final = 2.3
-"""s: a whole second of driving within 2 s, and slowing down."""
+_DOUBTED: Final = 1.0
+"""s: 0.35 s of driving from 0.18 m/s on, and slowing down."""
 _MOTORS: Final = (
     *(Scenario(faults=(encoder_cut(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
     Scenario(faults=(encoder_slips("left"),), does="slows", bound=_DOUBTED, lasts=5.0),

@@ -9,7 +9,7 @@ from giraff_base.drives.dialogue import Dialogue
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
-from giraff_base.drives.wheels.doubt import DOUBTED_SPEED, WheelDoubt
+from giraff_base.drives.wheels.doubt import WheelDoubt
 from giraff_base.drives.wheels.reports import WheelReports
 from giraff_base.drives.wheels.words import BLIND, engaged_by, held, limit
 from giraff_core.robot import RobotConfig
@@ -40,7 +40,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         self._settings = config.board_settings(robot, acceleration)
         self._board = config.board_type
         self._reports = WheelReports(robot.ticks_per_metre)
-        self._doubt = WheelDoubt(config.speed_control.motor_time)
+        self._doubt = WheelDoubt(config)
         is_blind = config.asks_for_speeds and not config.battery_volts_per_count
         self._blind_limit = SpeedLimit(robot.max_wheel_speed / _BLIND_OVER, BLIND) if is_blind else SpeedLimit()
 
@@ -60,9 +60,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
 
     @property
     def limit(self) -> SpeedLimit:
-        if doubt := self._doubt.trouble:
-            return SpeedLimit(DOUBTED_SPEED, doubt)
-        return self._blind_limit
+        return self._doubt.limit if self._doubt.trouble else self._blind_limit
 
     def open(self, session: int) -> None:
         self._reports.forget()
