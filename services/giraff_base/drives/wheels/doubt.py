@@ -112,9 +112,10 @@ class _Lack:
         """Add what both wheels did in these `seconds` of driving. A wheel that does well again pays its lack back."""
         most_power = max(own.power, other.power)
         for index, offset in enumerate(_OFFSETS):
-            made = _FACTOR * max(0.0, own.due + offset * seconds) * other.power
-            more = ((other.due + offset * seconds) * own.power - made) / most_power
-            self._metres[index] = max(0.0, self._metres[index] + more)
+            has = own.due + offset * seconds
+            made = _FACTOR * has * other.power if has > 0.0 else 0.0
+            lack = self._metres[index] + ((other.due + offset * seconds) * own.power - made) / most_power
+            self._metres[index] = max(0.0, lack)
         self._seconds = self._seconds + seconds if min(self._metres) > 0.0 else 0.0
 
 
