@@ -15,6 +15,7 @@ from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.parts import ANGLE, PLACE, fixed_transform
 from giraff_core.tuning import Tuning
 from giraff_schemas.frames import Transform, camera_frame
+from giraff_schemas.topics import BUMPER, RANGE, Topic
 from giraff_schemas.wires.bumper import BUMPERS
 
 ULTRASONIC: Final = "hc-sr04"
@@ -24,6 +25,9 @@ _TABLES: Final = {"bumper": "bumpers", "camera": "cameras"}
 TYPES: Final = (*_TABLES, ULTRASONIC)
 TABLES: Final = ("sensors", "models", *_TABLES.values())
 """The fields of `RobotConfig` that hold what `[robot.sensors]` of a file says."""
+
+SENSED: Final[dict[str, Topic[Any]]] = {"sensors": RANGE, "bumpers": BUMPER}
+"""What sensors tell the guard, by their table of `RobotConfig`. Guard and replay take them in this order."""
 
 
 class UltrasonicModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

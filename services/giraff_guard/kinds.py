@@ -6,22 +6,22 @@ from typing import Any
 
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import TYPES
+from giraff_core.sensors import SENSED, TYPES
 from giraff_guard.bumper import BumperSource
 from giraff_guard.config import GuardConfig
 from giraff_guard.source import Source
 from giraff_guard.ultrasonic.source import UltrasonicSource
 from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import Range
-from giraff_schemas.topics import BUMPER, RANGE, Topic
+from giraff_schemas.topics import Topic
 
 Sensed = Range | Bump
-"""What sensors say."""
+"""What sensors say: the samples of `SENSED`."""
 
 
 def sensed_by(robot: RobotConfig) -> list[Topic[Any]]:
     """Where they say it."""
-    return [RANGE, *([BUMPER] if robot.bumpers else [])]
+    return [topic for table, topic in SENSED.items() if getattr(robot, table)]
 
 
 def sources_of(live: Live[GuardConfig], robot: RobotConfig) -> list[Source]:

@@ -6,6 +6,7 @@ from typing import Final
 
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.sensors import SENSED
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
 from giraff_guard.flood import FloodWatch
@@ -18,7 +19,6 @@ from giraff_schemas.messages import (
     GuardedCommand,
     GuardState,
     Lease,
-    Range,
     RobotTime,
     Sample,
     Tick,
@@ -27,7 +27,7 @@ from giraff_schemas.messages import (
 from giraff_schemas.trouble import WELL, Trouble
 
 HEARD: Final = ("wheels", "attitude", "command")
-"""Order of the numbers in `GuardedCommand.heard`. Those of the ultrasonic sensors follow, by name."""
+"""Order of the numbers in `GuardedCommand.heard`. Those of the sensors follow, by table and name."""
 _PLACES: Final[dict[type[Sample], str]] = {Wheels: "wheels", Attitude: "attitude", DriveCommand: "command"}
 
 
@@ -161,11 +161,12 @@ class GuardPolicy:
 
 def numbers_unheard(robot: RobotConfig) -> dict[str, int]:
     """Return the numbers of `GuardedCommand.heard` of a guard that has heard nothing."""
-    return dict.fromkeys((*HEARD, *(f"sensor {name}" for name in sorted(robot.sensors))), -1)
+    sensors = (name for table in SENSED for name in sorted(getattr(robot, table)))
+    return dict.fromkeys((*HEARD, *(f"sensor {name}" for name in sensors)), -1)
 
 
 def number_place(sample: Sample) -> str:
     """Return the name that its number has among them. Commands count where they are the lease holder's."""
-    if isinstance(sample, Range):
+    if isinstance(sample, Sensed):
         return f"sensor {sample.sensor}"
     return _PLACES.get(type(sample), "")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 
+from giraff_cli.replay.policies import RecordedSamples, replay_guard
+from giraff_schemas.messages import Sample
 from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.world.room import Pose
 from giraff_sim.world.sonar import SonarFault
 from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
@@ -17,9 +20,21 @@ WALL: Final = 2.0
 NEAR: Final = Pose(WALL - BUMPED.footprint_radius - 0.05, 0.0, 0.0)
 
 
+class _Recorder(Observer):
+    """Records all that the services publish."""
+
+    def __init__(self) -> None:
+        self.samples = RecordedSamples()
+
+    def said(self, process: Process, sample: Any) -> None:
+        del process
+        if isinstance(sample, Sample):
+            self.samples.add(sample)
+
+
 def test_a_wall_that_no_sonar_hears_pushes_the_front_bumper() -> None:
-    settings = msgspec.structs.replace(SETTINGS, robot=BUMPED)
-    with closed_loop(room_with_wall(WALL, NEAR), settings) as loop:
+    settings, recorder = msgspec.structs.replace(SETTINGS, robot=BUMPED), _Recorder()
+    with closed_loop(room_with_wall(WALL, NEAR), settings, observer=recorder) as loop:
         for sonar in loop.simulation.world.sonars.values():
             sonar.fault = SonarFault.DEAF
         arm(loop)
@@ -44,6 +59,10 @@ def test_a_wall_that_no_sonar_hears_pushes_the_front_bumper() -> None:
         loop.run(0.5)
         asked_anew = loop.newest["bumper/front"]
         assert (asked_anew.pressed, asked_anew.seq > pushed.seq + 2) == (True, True)
+    replayed = replay_guard(recorder.samples, settings.guard, BUMPED)
+    assert [each.first for each in replayed] == ["", "", ""]
+    assert [each.equal for each in replayed] == [each.compared for each in replayed]
+    assert min(each.compared for each in replayed) > 15
 
 
 def test_a_cut_wire_stops_its_way_and_no_other() -> None:

@@ -6,6 +6,7 @@ serial lines, which are not recorded.
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from statistics import median
@@ -16,12 +17,12 @@ import msgspec
 from giraff_cli.replay.agreement import Agreement, differences
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.sensors import SENSED
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy, number_place, numbers_unheard
 from giraff_mcap.reading import is_whole, put_params
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy
-from giraff_schemas.bumper import Bump
 from giraff_schemas.checks import converted
 from giraff_schemas.messages import (
     Attitude,
@@ -58,6 +59,9 @@ _SAYS: Final[dict[str, tuple[type[Sample], type[msgspec.Struct]]]] = {
     ODOMETRY.name: (Odometry, OdometryConfig),
 }
 """Samples that each replayed service says at its turns, and its configuration."""
+_SENSED: Final[tuple[type[Sample], ...]] = tuple(topic.schema for topic in SENSED.values())
+_TAKEN: Final[tuple[type[Sample], ...]] = (Tick, Attitude, *_SENSED, Wheels, DriveCommand)
+"""What the guard takes in a turn, in its order."""
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
 
@@ -245,9 +249,7 @@ class _Inputs:
 
     def __init__(self, said: RecordedSamples, robot: RobotConfig) -> None:
         self._places = {name: index for index, name in enumerate(numbers_unheard(robot))}
-        self._waiting: dict[type[Sample], list[Any]] = {
-            type_: said.of(type_)[::-1] for type_ in (Tick, Attitude, Range, Wheels, DriveCommand)
-        }
+        self._waiting: dict[type[Sample], list[Any]] = {type_: said.of(type_)[::-1] for type_ in _TAKEN}
         self._newest: dict[str, Range] = {}
         self._last_tick: RobotTime | None = None  # of the holder's newest command that was taken
         self._numbers: dict[str, tuple[str, int]] = {}
@@ -280,7 +282,7 @@ class _Inputs:
     def _is_numbered(self, sample: Sample, turn: GuardedCommand) -> bool:
         """Tell whether the guard numbers this sample in `heard`."""
         is_of_holder = not isinstance(sample, DriveCommand) or sample.instance == turn.operator
-        return bool(turn.heard) and is_of_holder and number_place(sample) in self._places
+        return is_of_holder and self._places.get(number_place(sample), math.inf) < len(turn.heard)
 
     def _taken(self, type_: type[Sample], sample: Any, turn: GuardedCommand) -> bool:
         if type_ is Tick and turn.guard_tick is not None and turn.guard_tick.epoch == sample.epoch:
@@ -334,8 +336,7 @@ class _Guard:
         policy = self._policy
         take: dict[type[Sample], Callable[[Any, int], object]] = {
             Tick: policy.on_tick,
-            Range: policy.on_sensed,
-            Bump: policy.on_sensed,
+            **dict.fromkeys(_SENSED, policy.on_sensed),
             Wheels: policy.on_wheels,
             Attitude: policy.on_attitude,
             DriveCommand: policy.on_command,
