@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Final
 
 import msgspec
 
 from giraff_schemas.framing import Decoder
+from giraff_schemas.wire import Frame
 from giraff_sim.world.body import BoardReport
 
 WINDOW_US: Final = 100_000_000  # kept; two minutes after a start the record has stopped growing
@@ -59,14 +61,14 @@ class _Told(msgspec.Struct):
 class Record:
     """Keeps the last WINDOW_US."""
 
-    def __init__(self, report: type[BoardReport]) -> None:
-        """`report`: the base board's."""
+    def __init__(self, report: type[BoardReport], frames: Mapping[int, type[Frame]]) -> None:
+        """`report`: the base board's; `frames`: all of its line."""
         self._report = report
         self.telemetry: BoardReport | None = None
         """The newest frame of the base board."""
         self._drives: list[_Drive] = []
         self._told: list[_Told] = []
-        self._decoder = Decoder()
+        self._decoder = Decoder(frames)
 
     def note_drive(self, now_us: int, peak_counts: int, lasted_us: int = 1000) -> None:
         """The largest duty of either motor in the milliseconds that end now."""

@@ -24,7 +24,7 @@ class Simulation:
     def __init__(self, boards: Mapping[BoardKind, Board], world: World) -> None:
         self.boards = dict(boards)
         self.world = world
-        self.record = Record(world.body.report)
+        self.record = Record(world.body.report, world.body.board.frames)
         self.now_us = 0
         """Simulated us since the power-on of all boards."""
         self._sent = {kind: bytearray() for kind in self.boards}

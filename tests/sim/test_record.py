@@ -1,5 +1,6 @@
 """The black box's verdicts."""
 
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import WheelsFrame
 from giraff_sim.record import WINDOW_US, Record
@@ -33,7 +34,7 @@ def telemetry(seq: int, accepted: int, refused: int = 0, boot_id: int = 1) -> by
 
 
 def test_it_tells_when_the_motors_were_last_driven() -> None:
-    record = Record(WheelsFrame)
+    record = Record(WheelsFrame, BASE_BOARD.frames)
     for millisecond in range(1, 101):
         record.note_drive(millisecond * MS, 35 if 20 <= millisecond <= 40 else 70 if millisecond == 60 else 0)
     whole = record.verdict(0, 100 * MS)
@@ -54,7 +55,7 @@ def test_it_tells_when_the_motors_were_last_driven() -> None:
 
 
 def test_it_counts_what_the_board_says_it_accepted_and_refused() -> None:
-    record = Record(WheelsFrame)
+    record = Record(WheelsFrame, BASE_BOARD.frames)
     for seq, (accepted, refused) in enumerate([(65534, 5), (65535, 5), (65535, 6), (1, 6), (1, 6), (2, 9)]):
         record.note_sent(seq * 10 * MS, telemetry(seq, accepted, refused))
     verdict = record.verdict(0, 50 * MS)
@@ -69,7 +70,7 @@ def test_it_counts_what_the_board_says_it_accepted_and_refused() -> None:
 
 
 def test_frames_come_in_pieces_and_damaged() -> None:
-    record = Record(WheelsFrame)
+    record = Record(WheelsFrame, BASE_BOARD.frames)
     data = telemetry(1, 0) + b"\x05noise\x00" + telemetry(2, 3)
     for at, byte in enumerate(data):
         record.note_sent(at, bytes((byte,)))
@@ -78,14 +79,14 @@ def test_frames_come_in_pieces_and_damaged() -> None:
 
 
 def test_a_reboot_starts_the_counters_anew() -> None:
-    record = Record(WheelsFrame)
+    record = Record(WheelsFrame, BASE_BOARD.frames)
     record.note_sent(10 * MS, telemetry(1, 100, boot_id=1))
     record.note_sent(20 * MS, telemetry(0, 2, boot_id=2))
     assert record.verdict(15 * MS, 20 * MS).accepted == 2
 
 
 def test_it_finds_driving_that_nobody_asked_for() -> None:
-    record = Record(WheelsFrame)
+    record = Record(WheelsFrame, BASE_BOARD.frames)
     for millisecond in range(1, 1001):
         now_us = millisecond * MS
         record.note_drive(now_us, 35 if 100 <= millisecond < 700 else 0)
@@ -97,7 +98,7 @@ def test_it_finds_driving_that_nobody_asked_for() -> None:
 
 
 def test_it_keeps_its_window_and_forgets_what_is_older() -> None:
-    record = Record(WheelsFrame)
+    record = Record(WheelsFrame, BASE_BOARD.frames)
     for second in range(5000):
         record.note_drive(second * 1000 * MS, second % 2)
         record.note_sent(second * 1000 * MS, telemetry(second, second))
