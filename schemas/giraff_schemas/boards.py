@@ -11,6 +11,7 @@ from giraff_schemas.wire import (
     JOYSTICK_BAUD,
     PROTOCOL_HASH,
     RANGER_BAUD,
+    WHEELS_PERIOD_MS,
     BoardKind,
     Frame,
     HelloFrame,
@@ -32,6 +33,8 @@ class BoardType(NamedTuple):
     protocol_hash: int = PROTOCOL_HASH
     frames: Mapping[int, type[Frame]] = FRAME_CLASSES
     """Frames on its line, by their type; `hello` and its request are among them."""
+    report_ms: int = WHEELS_PERIOD_MS
+    """ms. Time between two reports of a base board."""
     output_delay_us: int = 0
     """us. Longest time from a decision of the board to its motors: of a servo output, a frame and a pulse."""
     most_counts: int = 0

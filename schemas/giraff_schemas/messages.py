@@ -74,6 +74,7 @@ class Tilt(Sample, frozen=True, kw_only=True):
 
 Source = Literal["hand", "fault"]
 Side = Literal["forward", "backward", "none"]
+RangeState = Literal["echo", "clear", "fault"]
 
 
 class DriveCommand(Sample, frozen=True, kw_only=True):
@@ -195,9 +196,6 @@ class SerialWrite(Sample, frozen=True, kw_only=True):
     text: str
 
 
-RangeState = Literal["echo", "clear", "fault"]
-
-
 class Range(Sample, frozen=True, kw_only=True):
     """One reading of one ultrasonic sensor."""
 
@@ -316,7 +314,7 @@ class TruePose(Sample, frozen=True, kw_only=True):
 
 
 class BoardState(msgspec.Struct, frozen=True, kw_only=True):
-    """The base board, as its newest report shows it."""
+    """The base board, as its newest report shows it. It reports each `report_ms`."""
 
     connected: bool
     boot_id: int
@@ -326,6 +324,7 @@ class BoardState(msgspec.Struct, frozen=True, kw_only=True):
     accepted: int
     refused: int
     line_errors: int
+    report_ms: int = 10
 
 
 class BaseState(Sample, frozen=True, kw_only=True):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Final
 
+import msgspec
+
 from giraff_base.authority import Authority
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Report
@@ -141,7 +143,7 @@ class BasePolicy:
             guard=authority.binding.guard,
             round_trip=authority.round_trip if is_there else None,
             budget_left=authority.budget_left if is_there else None,
-            board=self._drive.state(),
+            board=msgspec.structs.replace(self._drive.state(), report_ms=self._live.config.drive.board_type.report_ms),
             remedy=reason.remedy,
         )
 

@@ -92,7 +92,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     wheel_noise: Annotated[float, Bounds(0.0, 0.1, "m")] = WHEEL_NOISE
     """m: variance (m²) of a wheel's travel per metre of it, of what is random. 1e-6 is 1 mm after one metre, 3 mm after
     ten; the recorded runs of a small robot leave 2e-7 to 1e-6. What is systematic: `calibration`."""
-    sensors: dict[str, SensorPose]
+    sensors: dict[str, SensorPose] = {}
     """The ultrasonic ones, by name. In the robot file each table `[robot.sensors.<name>]` is of its `type`: those that
     have another one are in the tables below."""
     models: dict[str, UltrasonicModel] = {}

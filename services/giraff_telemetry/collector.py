@@ -22,6 +22,7 @@ from giraff_schemas.messages import (
     Tilt,
     Wheels,
 )
+from giraff_schemas.services import RANGER
 from giraff_schemas.topics import (
     ATTITUDE,
     BASE,
@@ -88,6 +89,12 @@ class Snapshot:
     """By key, in the order of the topics table."""
     services: dict[str, int]
     """By service, how many of it are on the network; 0: it was."""
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Services that the robot does not need: no ranger where its guard, by the robot file, knows no sensor."""
+        guard = self.guard.sample if self.guard is not None and self.guard.fresh else None
+        return () if guard is None or guard.sensors or guard.other_sensors else (RANGER.name,)
 
 
 class _Key:

@@ -205,7 +205,8 @@ def _of_services(robot: Robot, network: Network) -> Iterator[Finding]:
     doors = (DOOR.name, RUN.name, PLAY.name)
     has_door = not network.has_doors or any(robot.services.get(each) for each in doors)
     for service, (severity, so) in _MISSED.items():
-        if not robot.services.get(service) and not (service == DOOR.name and has_door):
+        is_missed = service not in robot.unused and not (service == DOOR.name and has_door)
+        if is_missed and not robot.services.get(service):
             yield Finding(
                 severity=severity,
                 about=service,

@@ -147,6 +147,8 @@ class Robot(msgspec.Struct, frozen=True, kw_only=True):
     """By service, how many of it are on the network."""
     answers: tuple[HealthReply, ...]
     rates: tuple[Rate, ...]
+    unused: tuple[str, ...] = ()
+    """Services that it does not need."""
     geometries: tuple[GeometryInUse, ...] = ()
     """Of those that have told it."""
     base: BaseState | None = None

@@ -23,14 +23,17 @@ from giraff_schemas.topics import (
     ATTITUDE,
     BATTERY,
     BUMPER,
+    ODOM,
     OPERATOR_CMD_VEL,
     PARAM_DESCRIBE,
+    RANGE,
+    WHEELS,
     Topic,
     covers,
     health_key,
     key_of,
 )
-from giraff_telemetry.collector import Telemetry
+from giraff_telemetry.collector import Snapshot, Telemetry
 
 MAKERS: Final[dict[Topic[Any], str]] = {
     topic: service.name
@@ -49,7 +52,7 @@ _ASK_EVERY: Final = 0.25  # s; the quickest of several answers tells the clock b
 _HEAR_FIRST: Final = 3.0  # s
 
 
-class _Counted(Telemetry):
+class CountedTelemetry(Telemetry):
     """Counts the samples of each key, too."""
 
     def __init__(self) -> None:
@@ -147,7 +150,7 @@ def geometry_in(answer: ParamAnswer) -> GeometryInUse | None:
 
 def listen(connection: RobotConnection, seconds: float) -> Robot | None:
     """What is heard within `seconds` of the first word; None: not a word."""
-    listener, health = _Counted(), HealthClient(connection.session, connection.robot)
+    listener, health = CountedTelemetry(), HealthClient(connection.session, connection.robot)
     geometry = GeometryClient(connection.session, connection.robot)
     connection.subscribe_all()
     if not _first_word(connection, listener):
@@ -168,15 +171,16 @@ def listen(connection: RobotConnection, seconds: float) -> Robot | None:
         name=connection.robot,
         seconds=seconds,
         services=dict(sorted(now.services.items())),
+        unused=now.unused,
         answers=health.answers,
         geometries=geometry.answers,
-        rates=tuple(_rates(listener)),
+        rates=tuple(rates_of(listener, now)),
         base=now.base.sample if now.base and now.base.fresh else None,
         estop=now.estop.sample if now.estop and now.estop.fresh else None,
     )
 
 
-def _first_word(connection: RobotConnection, listener: _Counted) -> bool:
+def _first_word(connection: RobotConnection, listener: CountedTelemetry) -> bool:
     deadline = time.monotonic() + _HEAR_FIRST
     while time.monotonic() < deadline:
         connection.dispatch(listener)
@@ -186,15 +190,21 @@ def _first_word(connection: RobotConnection, listener: _Counted) -> bool:
     return False
 
 
-def _rates(listener: _Counted) -> Iterable[Rate]:
-    """Of each key that was heard, or should have been."""
+def rates_of(listener: CountedTelemetry, now: Snapshot) -> Iterable[Rate]:
+    """Return the rate of each key that was heard, or should have been."""
     hz, lost = listener.rates_hz, listener.lost
+    wanted = {topic: topic.rate_hz for topic in MAKERS}
+    if now.base is not None and now.base.fresh:
+        wanted |= dict.fromkeys((WHEELS, ODOM), 1000.0 / max(1, now.base.sample.board.report_ms))
+    has_ranges = now.guard is None or not now.guard.fresh or now.guard.sample.sensors
     for topic, maker in MAKERS.items():
+        if topic == RANGE and not has_ranges:
+            continue
         for key in [key for key in listener.counts if covers(topic, key)] or [topic.key]:
             yield Rate(
                 key=key,
                 maker=maker,
-                wanted_hz=topic.rate_hz,
+                wanted_hz=wanted[topic],
                 hz=hz.get(key),
                 heard=listener.counts.get(key, 0),
                 lost=lost.get(key, 0),

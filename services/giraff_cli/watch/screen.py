@@ -46,8 +46,8 @@ _NOTICES: Final = 1  # more would not fit 24 lines
 
 
 def missing(snapshot: Snapshot) -> list[str]:
-    """The robot's own services that are not on the network."""
-    return [service for service in ROBOTS_OWN if not snapshot.services.get(service)]
+    """The robot's own services that are not on the network, but for those that it does not need."""
+    return [each for each in ROBOTS_OWN if not snapshot.services.get(each) and each not in snapshot.unused]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -112,7 +112,10 @@ def ranger(chain: ChainState) -> Link:
     """The ultrasonic sensors. One that is blind stops what relies on it, and limits the rest."""
     readings = {heard.sample.sensor: heard for heard in reversed(chain.observation.of(RANGE))}
     if not readings:
-        if "ranger" in chain.observation.alive:
+        is_alive, state = "ranger" in chain.observation.alive, chain.guard
+        if state is not None and not state.sample.sensors and (is_alive or not state.sample.other_sensors):
+            return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
+        if is_alive:
             return chain.silent("ranger", "ranger")
         how = "start it on the machine that the ranger board is plugged into"
         return Link(name="ranger", standing="missing", text=f"giraff_ranger is not running, or hangs; {how}")

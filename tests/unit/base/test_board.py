@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_base.drives.wheels import config as wheels_config
 from giraff_base.drives.wheels.drive import WheelsDrive
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.messages import Wheels
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import (
@@ -25,6 +27,11 @@ from giraff_schemas.wire import (
 )
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import CONFIG, ROBOT, Rig, moving
+
+
+def test_base_tells_how_often_its_board_reports(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(wheels_config._BOARDS, "base", BASE_BOARD._replace(report_ms=15))
+    assert Rig().base.state().board.report_ms == 15
 
 
 def frames_until(rig: Rig, seconds: float) -> list[Frame]:

@@ -88,6 +88,7 @@ _BOARD = {
     "accepted": 10,
     "refused": 0,
     "line_errors": 0,
+    "report_ms": 10,
 }
 _PLACE = {"x": 1.0, "y": 2.0, "yaw": 0.5}
 _DISPLACEMENT = {"path": 1.0, "x": 1.0, "y": 0.1, "yaw": 0.2}
