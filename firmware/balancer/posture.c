@@ -78,7 +78,8 @@ static void sit_on(struct posture *p, const struct posture_input *in)
 {
     const struct kalman *k = in->kalman;
     if (p->leans_over) {
-        if (magnitude(k->lean - in->trim) > LET_GO_LEAN || p->since > LEAN_OVER)
+        /* A lean that is no number has passed it, too. */
+        if (!(magnitude(k->lean - in->trim) <= LET_GO_LEAN) || p->since > LEAN_OVER)
             posture_off(p, p->cause);
         return;
     }

@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, Final
 
 import cffi
 import numpy as np
 import pytest
 
-from giraff_schemas.wires.balancer import BalanceCause, BalanceFlag, BalancePosture, BalanceSide
+from giraff_schemas.wires.balancer import DRIVER_FULL, BalanceCause, BalanceFlag, BalancePosture, BalanceSide
 from tests.firmware.builds import FIRMWARE, shared_library
 
 PERIOD: Final = 0.005
 MODULES: Final = ("balance", "inertial", "kalman", "wheel_speed", "watch", "posture", "reference", "torque")
+TYPES: Final = re.compile(r"^(?:struct \w+ \{.*?^\};|enum \{[^}]*\};)", re.DOTALL | re.MULTILINE)
 DECLARED: Final = """
-struct balance_settings { float k1, k2, k3, k4, gravity, momentum_per_speed, momentum_per_rate, radius, track,
-    rad_per_count, motor_constant, motor_ohm, friction, torque_max, acceleration, braking, speed_max, turn_max,
-    volts_min; };
-struct balance_readings { float gyro[2]; float forward, up; int32_t counts[2]; float volts; bool cord_pulled; };
-struct balance_order { float linear, angular; bool halts, may_stand, sits, off; uint8_t off_cause, free_side; };
-struct balance_state { uint8_t posture, cause, flags; float lean, rate, accelerometer, trim, speed, turn, torque;
-    int8_t command[2]; };
 void balance_start(void);
 void balance_configure(const struct balance_settings *settings);
 void balance_step(const struct balance_readings *readings, const struct balance_order *order);
 const struct balance_state *balance_state(void);
-struct kalman { float lean, bias, rate, forward, up, measured, innovation, p00, p01, p11; };
-struct kalman_input { float rate, forward, up, axle; bool corrects; };
 void kalman_start(struct kalman *k);
 void kalman_step(struct kalman *k, const struct kalman_input *in);
+void torque_step(struct torque *t, const struct torque_input *in);
 """
 SETTINGS: Final = {
     "k1": 744.0, "k2": 174.8, "k3": 133.2, "k4": 191.4, "gravity": 82.0, "momentum_per_speed": 15.7,
@@ -41,7 +35,9 @@ SETTINGS: Final = {
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> tuple[cffi.FFI, Any]:
     ffi = cffi.FFI()
-    ffi.cdef(DECLARED)
+    headers = ("balance", "control", *MODULES[1:])
+    texts = ((FIRMWARE / "balancer" / f"{name}.h").read_text() for name in headers)
+    ffi.cdef("".join(block for text in texts for block in TYPES.findall(text)) + DECLARED)
     sources = (FIRMWARE / "balancer" / f"{name}.c" for name in MODULES)
     library = tmp_path_factory.mktemp("balance") / "balance.so"
     return ffi, ffi.dlopen(
@@ -149,8 +145,19 @@ def test_it_stands_up_only_when_asked_and_upright_and_still(robot: Robot) -> Non
     robot.stand()
 
 
-def test_it_does_not_stand_up_with_a_fault(robot: Robot) -> None:
-    robot.readings["volts"] = 9.0
+@pytest.mark.parametrize(
+    ("what", "value"),
+    [
+        ("readings", {"volts": 9.0}),
+        ("readings", {"cord_pulled": True}),
+        ("order", {"sits": True}),
+        ("order", {"off": True}),
+    ],
+)
+def test_it_does_not_stand_up_with_a_fault_or_where_it_is_asked_to_be_off(
+    robot: Robot, what: str, value: dict[str, Any]
+) -> None:
+    getattr(robot, what).update(value)
     robot.order["may_stand"] = True
     assert all(robot.step().posture == BalancePosture.OFF for _ in range(1200))
 
@@ -181,6 +188,52 @@ def test_it_sits_down_to_the_free_side(robot: Robot, side: BalanceSide, sign: in
     assert np.sign(state.torque) == sign  # the wheels run away to the other side
 
 
+@pytest.mark.parametrize(("counts", "periods"), [(30.0, 60), (np.nan, 2)])
+def test_it_lets_go_before_its_caster_touches_or_where_its_lean_is_no_number(
+    robot: Robot, counts: float, periods: int
+) -> None:
+    """Torque against the caster throws it to the other side."""
+    robot.turns = [1, 1]
+    robot.stand()
+    robot.order |= {"sits": True, "free_side": BalanceSide.FORWARD}
+    robot.step(15)
+    assert robot.step().posture == BalancePosture.SITS_DOWN
+    robot.sensors[:2] += counts
+    state = robot.step(periods)
+    assert (state.posture, state.cause, *state.command) == (BalancePosture.OFF, BalanceCause.ASKED, 0, 0)
+
+
+def test_a_lean_that_is_no_number_has_fallen(robot: Robot) -> None:
+    robot.stand()
+    robot.sensors[0] = np.nan
+    state = robot.step(2)
+    assert (state.posture, state.cause, *state.command) == (BalancePosture.OFF, BalanceCause.FALLEN, 0, 0)
+
+
+def test_it_does_not_wait_for_rest_or_for_its_caster_for_ever(robot: Robot) -> None:
+    robot.stand()
+    robot.turns = [1, 1]
+    robot.order |= {"sits": True, "free_side": BalanceSide.FORWARD}
+    robot.sensors[:2] += 5.0
+    postures = []
+    for period in range(600):
+        robot.sensors[:2] += 10.0 if period % 2 else -10.0  # it shakes, and never rests
+        postures.append(robot.step().posture)
+    assert postures[399] == BalancePosture.SITS_DOWN
+    assert postures[-1] == BalancePosture.OFF
+
+
+def test_what_is_asked_while_it_sits_down_moves_nothing(robot: Robot) -> None:
+    """A frame may be accepted in the period in which it begins to."""
+    robot.turns = [1, 1]
+    robot.stand()
+    robot.order |= {"sits": True, "free_side": BalanceSide.FORWARD, "halts": False, "angular": 0.8}
+    for _ in range(40):
+        state = robot.step()
+        assert state.posture == BalancePosture.SITS_DOWN
+        assert state.command[0] == pytest.approx(state.command[1], abs=2), "it does not turn"
+
+
 @pytest.mark.parametrize(
     ("what", "cause"),
     [("order", "ASKED"), ("battery", "BATTERY"), ("accelerometer", "ACCELEROMETER"), ("gyroscope", "GYROSCOPE")],
@@ -203,18 +256,20 @@ RATE: Final = np.array([1.0, 1.0, 0.0, 0.0])
 
 
 @pytest.mark.parametrize(
-    ("counts", "turns", "periods", "cause"),
+    ("counts", "turns", "periods", "cause", "posture"),
     [
-        (40.0 * RATE, [1, 1], 60, "FALLEN"),
-        ([10.0, 0.0, 0.0, 0.0], [1, 1], 20, "GYROSCOPE"),
-        (2.0 * RATE, [0, 1], 60, "LEFT_ENCODER"),
-        (0.0 * RATE, [0, 0], 410, "NO_WHEEL_TURNS"),
-        (0.0 * RATE, [1, 0], 410, "RIGHT_ENCODER"),
+        (40.0 * RATE, [1, 1], 60, "FALLEN", BalancePosture.OFF),
+        ([10.0, 0.0, 0.0, 0.0], [1, 1], 20, "GYROSCOPE", BalancePosture.OFF),
+        (2.0 * RATE, [0, 1], 60, "LEFT_ENCODER", BalancePosture.SITS_DOWN),
+        (0.0 * RATE, [0, 0], 410, "NO_WHEEL_TURNS", BalancePosture.OFF),
+        (0.0 * RATE, [1, 0], 410, "RIGHT_ENCODER", BalancePosture.SITS_DOWN),
     ],
 )
 def test_what_is_lost_while_it_stands_ends_that(
-    robot: Robot, counts: Any, turns: list[int], periods: int, cause: str
+    robot: Robot, counts: Any, turns: list[int], periods: int, cause: str, posture: BalancePosture
 ) -> None:
+    """It sits down where it can do without what is lost."""
+    robot.order["free_side"] = BalanceSide.FORWARD
     robot.stand()
     robot.turns = [1, 1]
     robot.step(20)
@@ -222,10 +277,25 @@ def test_what_is_lost_while_it_stands_ends_that(
     robot.sensors += counts
     states = [(state.posture, state.cause) for state in (robot.step() for _ in range(periods))]
     assert states[0][0] == BalancePosture.STANDS
-    assert states[-1] == (BalancePosture.OFF, BalanceCause[cause])
+    assert states[-1] == (posture, BalanceCause[cause])
+
+
+def test_a_sensor_that_flickers_stays_lost_and_the_first_cause_counts(robot: Robot) -> None:
+    robot.order["free_side"] = BalanceSide.FORWARD
+    robot.turns = [1, 1]
+    robot.stand()
+    robot.sensors[2] = 0.0
+    lost = robot.step(2).accelerometer
+    robot.sensors[2] = 600.0  # it is back, and wrong
+    state = robot.step(30)
+    assert (state.posture, state.accelerometer) == (BalancePosture.SITS_DOWN, lost)
+    robot.sensors[0] = 0.0
+    state = robot.step(2)
+    assert (state.posture, state.cause) == (BalancePosture.OFF, BalanceCause.ACCELEROMETER)
 
 
 def test_wheels_that_run_away_from_the_robot_are_in_the_air(robot: Robot) -> None:
+    robot.order["free_side"] = BalanceSide.FORWARD
     robot.stand()
     state = robot.step()
     for turned in range(0, 400, 20):
@@ -238,11 +308,13 @@ def test_wheels_that_run_away_from_the_robot_are_in_the_air(robot: Robot) -> Non
 def test_an_accelerometer_that_disagrees_for_long_ends_standing(robot: Robot, counts: float) -> None:
     """Without encoders, since those would disagree with it as well."""
     robot.configure(k3=0.0, k4=0.0)
+    robot.order["free_side"] = BalanceSide.FORWARD
     robot.stand()
     robot.sensors[2] += counts
     assert robot.step(40).posture == BalancePosture.STANDS
-    state = robot.step(200)
-    assert (state.posture, state.cause) == (BalancePosture.OFF, BalanceCause.LEAN_DISPUTED)
+    states = [(state.posture, state.cause) for state in (robot.step() for _ in range(200))]
+    assert states[-1] == (BalancePosture.OFF, BalanceCause.LEAN_DISPUTED)
+    assert (BalancePosture.SITS_DOWN, BalanceCause.LEAN_DISPUTED) not in states
 
 
 @pytest.mark.parametrize(("channels", "cause"), [([1], "GYROSCOPE"), ([2, 3], "ACCELEROMETER")])
@@ -275,3 +347,20 @@ def test_the_torque_stays_within_that_of_the_settings(robot: Robot) -> None:
     assert abs(state.torque) <= 3.0
     robot.sensors[2] -= 102.0 * np.sin(np.radians(8.0))
     assert max(abs(robot.step().torque) for _ in range(40)) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_no_command_is_rounded_beyond_the_full_one(compiled: tuple[cffi.FFI, Any], sign: int) -> None:
+    """One step further it would be the full one the other way."""
+    ffi, lib = compiled
+    parts = {
+        "model": {"settings": {"k1": 1000.0, "torque_max": 1000.0}, "volts_per_torque": 1.0},
+        "kalman": {"lean": float(sign)},
+        "wheel_speed": {},
+        "reference": {},
+        "posture": {"posture": BalancePosture.STANDS},
+    }
+    made = [ffi.new(f"struct {name} *", part) for name, part in parts.items()]
+    torque: Any = ffi.new("struct torque *", {"rest": [sign * 0.5, sign * 0.5]})
+    lib.torque_step(torque, ffi.new("struct torque_input *", [*made, 12.0]))
+    assert list(torque.command) == [sign * DRIVER_FULL] * 2

@@ -1,10 +1,10 @@
-"""The balancing robot's board and another host: what the first one knew, and what the second one may change."""
+"""What a host of the balancing robot's board has to know before the robot moves, and what it may change."""
 
 import pytest
 
 from giraff_schemas.boards import BALANCER_BOARD
 from giraff_schemas.wire import DriveState, Refusal, Wiring
-from giraff_schemas.wires.balancer import BalanceAsk, BalanceEngage, BalanceFlag, BalancePosture
+from giraff_schemas.wires.balancer import BalanceAsk, BalanceEngage, BalanceFlag, BalancePosture, BalanceSide
 from giraff_sim.board import Implementation, open_board
 from tests.firmware.balancing import BalancerBench
 from tests.firmware.builds import compiled
@@ -34,4 +34,19 @@ def test_the_wiring_of_a_robot_that_stands_is_not_changed_under_it() -> None:
     board.configure(session=8, wiring=int(Wiring.INVERT_LEFT_MOTOR))
     report = board.report()
     assert (report.session, report.last_refusal, report.posture) == (7, Refusal.PROTOCOL, BalancePosture.STANDS)
+    board.board.close()
+
+
+@pytest.mark.parametrize(
+    ("free", "ends"), [(BalanceSide.NONE, BalancePosture.OFF), (BalanceSide.FORWARD, BalancePosture.SITS_DOWN)]
+)
+def test_what_went_off_or_sits_down_waits_for_a_zero(free: BalanceSide, ends: BalancePosture) -> None:
+    """Its host drives, and has not heard of it yet."""
+    board = BalancerBench(open_board(BALANCER_BOARD, Implementation.HOST, compiled()))
+    board.stand()
+    board.drive(0.1, free_side=free)
+    board.battery = 9.5
+    while board.report().posture == BalancePosture.STANDS:
+        board.drive(0.1, ask=BalanceAsk.STAND, free_side=free)
+    assert (board.report().posture, board.report().drive_state) == (ends, DriveState.AWAITING_ZERO)
     board.board.close()

@@ -220,7 +220,7 @@ class AnyDrive:
         bench.drive.open(SESSION + 1)
         assert not bench.drive.state().connected
         assert bench.drive.at_rest, "of the new port there is no report"
-        bench.hear()
+        assert bench.hear().samples == (), "the session is one of the earlier port"
         assert bench.drive.settle(bench.now, engaged=False) is not None
 
     def test_a_latch_is_released_by_a_release_alone_and_that_moves_nothing(self) -> None:

@@ -231,6 +231,11 @@ class TestBalancer(AnyDrive):
         bench.run(reports=2 * SETTLED)
         assert not board.is_off()
 
+    def test_it_is_not_at_rest_from_when_it_is_asked_to_move(self) -> None:
+        bench = self.settled()
+        bench.ask(0.3)
+        assert not bench.drive.at_rest, "it does not move yet"
+
     def test_what_held_it_disarms(self) -> None:
         bench = self.moving()
         self.board_of(bench).flags |= BalanceFlag.HELD
