@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+
 import pytest
 
 from tests.mutants.laboratory import LIST, Mutant, MutantError, mutated, read_mutants
@@ -18,7 +20,9 @@ ON_A_NETWORK = {
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.rule)
 def test_a_mutant_breaks_what_is_there(mutant: Mutant) -> None:
-    assert mutated((ROOT / mutant.file).read_text(), mutant)
+    text = mutated((ROOT / mutant.file).read_text(), mutant)
+    if mutant.file.endswith(".py"):
+        ast.parse(text)  # of what is no Python, any test would fail
 
 
 def test_there_are_some_in_both_languages() -> None:

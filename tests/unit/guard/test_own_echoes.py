@@ -48,3 +48,9 @@ def test_another_robots_pings_at_any_time_are_its_own_echoes_by_a_rare_chance_on
         ping = Ping(number, min(4.0, heard_at), heard_at < 4.0, Pose(0.026 * number, 0.0, 0.0))
         proofs += own.take(ping)
     assert proofs <= 2
+
+
+def test_one_echo_that_agrees_may_be_another_robots() -> None:
+    own = OwnEchoes(0.0)
+    told = [own.take(Ping(number, 2.0 - x, True, Pose(x, 0.0, 0.0))) for number, x in enumerate((0.0, 0.3, 0.6))]
+    assert told == [False, False, True]
