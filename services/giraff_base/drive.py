@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Protocol
 
 import msgspec
 
+from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import BoardState, RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import Topic
@@ -102,6 +103,10 @@ class Drive(Protocol):
 
     def reconfigure(self, config: msgspec.Struct) -> None:
         """Go by another table `[base.drive]` of the same kind. A drive whose table is fixed has nothing to do."""
+        ...
+
+    def on_camera(self, told: VisualOdometry, now: RobotTime) -> None:
+        """Take what a camera sees of the motion: at most it lowers the limit, until the port is opened anew."""
         ...
 
     def open(self, session: int) -> None:

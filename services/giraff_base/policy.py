@@ -15,6 +15,7 @@ from giraff_base.kinds import drive_of
 from giraff_base.ramp import Ramp
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, RobotTime, Sample
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import Topic
@@ -89,6 +90,10 @@ class BasePolicy:
                 self._hear(report, now)
                 samples += report.samples
         return samples
+
+    def on_camera(self, told: VisualOdometry, now: RobotTime) -> None:
+        """Take what a camera sees of the motion: at most the robot creeps for it."""
+        self._drive.on_camera(told, now)
 
     def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
         """Take a command of a guard. One that counts goes down at once, and the next ones with the board's report."""

@@ -13,7 +13,7 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
-from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
+from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, VISUAL_ODOM
 from giraff_schemas.trouble import WELL
 
 _TAKEN_ALONG: Final = 0.25 / TICK.rate_hz
@@ -22,6 +22,8 @@ _TAKEN_ALONG: Final = 0.25 / TICK.rate_hz
 
 class Base:
     """Reads the base board, `cmd_vel` and what is asked of the emergency stop; writes `tick`, `wheels` and its state.
+
+    Where the robot has a camera it reads `visual_odom`, too, but waits for none.
 
     A report of the board makes a turn due, and so does a command: the frame that drives answers either.
     """
@@ -35,6 +37,7 @@ class Base:
         self.link = io.board(config.port, config.drive.board_type)
         self._opened = 0
         self._commands = io.inbox(CMD_VEL)
+        self._seen = io.inbox(VISUAL_ODOM, wakes=False) if robot.cameras else None
         self._engages, self._resets = io.requests(ESTOP_ENGAGE), io.requests(ESTOP_RESET)
         self._ticks = io.publisher(TICK)
         self._samples = {topic.schema: io.publisher(topic) for topic in self._policy.topics}
@@ -57,6 +60,9 @@ class Base:
             policy.on_command(command, robot_time)
         for sample in policy.on_frames(frames, robot_time):
             self._samples[type(sample)].put(sample)
+        if self._seen is not None:
+            for told in self._seen.take():
+                policy.on_camera(told, robot_time)
         self._server.take(self._engages.take(), self._resets.take(), robot_time)
         if (frame := policy.next_frame(robot_time)) is not None:
             link.send(frame)

@@ -138,7 +138,7 @@ class VisionPolicy:
             reason=str(reason),
             remedy=reason.remedy,
             motion=seen.motion,
-            covariance=_NOTHING if reason else seen.covariance,
+            covariance=_NOTHING if seen.reason else seen.covariance,
             wheels=wheels,
             path=self._at.path,
             seen_m=self._at.seen,

@@ -35,6 +35,7 @@ from giraff_schemas.topics import (
     ODOM_SET_POSE,
     QUERIES,
     TOPICS,
+    VISUAL_ODOM,
     Query,
     Topic,
 )
@@ -42,15 +43,16 @@ from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.network import Message
 from tests.fuzz.growth import Growth
 from tests.fuzz.payloads import payload
-from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.loop.loops import FULL_TILT, SEES, arm, closed_loop, hold
 from tests.sim.robots import proving_room
 from tests.support.operators import said as command
 from tests.support.robots import ROBOT
 from tests.unit.schemas.samples import an_example
 
 KEYS: Final[tuple[Topic[Any] | Query[Any, Any], ...]] = (
-    # No part of the simulated robot hears what cameras and giraff_vision say.
+    # No part of the simulated robot hears what cameras say, but base hears what giraff_vision does.
     *(topic for topic in TOPICS if topic.schema.__module__ != camera.__name__),
+    VISUAL_ODOM,
     *(query for query in QUERIES if query is not ODOM_ECHOES),  # it changes nothing, and is read as the others are
     *MOTION_QUERIES,
 )
@@ -215,7 +217,7 @@ def steer(loop: ClosedLoop, seconds: float, x: float = 0.0, y: float = 0.0) -> N
 @contextmanager
 def armed_robot() -> Iterator[tuple[ClosedLoop, Truths]]:
     """And by key what was said while it drove, longer ago than anything counts."""
-    with closed_loop(proving_room()) as loop:
+    with closed_loop(proving_room(), SEES) as loop:
         loop.start("motion")
         truths: Truths = {row.key: [] for row in KEYS}
         drive(loop)

@@ -8,6 +8,7 @@ from typing import Final
 
 import msgspec
 
+from giraff_core.sensors import Camera
 from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.kinds import world_of
@@ -24,6 +25,10 @@ from tests.support.robots import BASE, BY_SPEED, ROBOT
 
 BY_LEVELS = Settings(robot=ROBOT, base=BASE)
 SETTINGS = Settings(robot=ROBOT, base=msgspec.structs.replace(BASE, drive=BY_SPEED))
+SEES = msgspec.structs.replace(
+    SETTINGS, robot=msgspec.structs.replace(ROBOT, cameras={"head": Camera(x=0.05, z=1.0, pitch=0.35)})
+)
+"""With a camera."""
 SOURCE_CURVE = msgspec.structs.replace(BY_LEVELS, joystick=JoystickConfig(port="joystick", curve="source"))
 COARSE_STEP_US: Final = 4000
 """As in tests/dst. A step of 1 ms takes half as long again, and only shows what comes within milliseconds."""

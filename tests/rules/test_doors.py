@@ -10,6 +10,7 @@ import msgspec
 from msgspec.structs import fields
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels import camera_doubt
 from giraff_guard.config import GuardConfig
 from giraff_keyboard.policy import KEY_LASTS
 from giraff_motion import localized, policy
@@ -32,6 +33,7 @@ MOST: Final = {
     **dict.fromkeys(("motion/move", "motion/turn", "motion/arc", "motion/go"), policy._WISH_COUNTS),
     "motion/hold": policy._HOLD_COUNTS,
     "pose": localized._COUNTS,
+    "visual_odom": camera_doubt._OLDEST,
     "estop/reset": default(BaseConfig, "reset_budget"),
     **dict.fromkeys(("joystick", "client", "motion"), OPERATOR),
     "keyboard": KEY_LASTS,

@@ -9,6 +9,7 @@ from typing import Final, Generic, Protocol, TypeVar
 import msgspec
 
 from giraff_base.drive import Answer, Report, SpeedLimit
+from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import BoardState, RobotTime, Sample
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
@@ -80,6 +81,9 @@ class Dialogue(ABC, Generic[ReportT]):
         return board_state(self._report, self._latches)
 
     def reconfigure(self, config: msgspec.Struct) -> None:
+        pass
+
+    def on_camera(self, told: VisualOdometry, now: RobotTime) -> None:
         pass
 
     def open(self, session: int) -> None:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from giraff_base.drive import SpeedLimit
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.kinematics.differential_drive import CREEP
 from giraff_schemas.trouble import WELL, Trouble
@@ -36,12 +35,16 @@ _PAUSE: Final = 0.3  # s without driving, after which an offset may be another o
 _LONGEST_GAP_US: Final = 50_000
 
 
+def creep(config: WheelsConfig) -> float:
+    """Return the m/s that a wheel may turn at most while an encoder is doubted."""
+    return _CREEP_BY_SPEEDS if config.asks_for_speeds else _CREEP_BY_LEVELS
+
+
 class WheelDoubt:
     """Judges wheels that drive. A doubt lasts until the port is opened anew: a sound moment proves no repair."""
 
     def __init__(self, config: WheelsConfig) -> None:
         self._motor_time = config.speed_control.motor_time
-        self._creep = _CREEP_BY_SPEEDS if config.asks_for_speeds else _CREEP_BY_LEVELS
         self.forget()
 
     def forget(self) -> None:
@@ -52,11 +55,6 @@ class WheelDoubt:
         self.trouble = WELL
         """Names the wheel that is doubted, and says what to do."""
         self._restart()
-
-    @property
-    def limit(self) -> SpeedLimit:
-        """The fastest that a wheel may turn, by this doubt."""
-        return SpeedLimit(self._creep, self.trouble) if self.trouble else SpeedLimit()
 
     def take(self, report: WheelsFrame) -> None:
         """Judge the wheels by one more report."""

@@ -6,13 +6,15 @@ from typing import Final
 
 from giraff_base.drive import Answer, SpeedLimit
 from giraff_base.drives.dialogue import Dialogue
+from giraff_base.drives.wheels.camera_doubt import CameraDoubt
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
-from giraff_base.drives.wheels.doubt import WheelDoubt
+from giraff_base.drives.wheels.doubt import WheelDoubt, creep
 from giraff_base.drives.wheels.reports import WheelReports
 from giraff_base.drives.wheels.words import BLIND, engaged_by, held, limit
 from giraff_core.robot import RobotConfig
+from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import WHEELS
@@ -40,7 +42,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         self._settings = config.board_settings(robot, acceleration)
         self._board = config.board_type
         self._reports = WheelReports(robot.ticks_per_metre)
-        self._doubt = WheelDoubt(config)
+        self._doubt, self._camera_doubt = WheelDoubt(config), CameraDoubt(robot.ticks_per_metre)
         is_blind = config.asks_for_speeds and not config.battery_volts_per_count
         self._blind_limit = SpeedLimit(robot.max_wheel_speed / _BLIND_OVER, BLIND) if is_blind else SpeedLimit()
 
@@ -60,12 +62,17 @@ class WheelsDrive(Dialogue[WheelsFrame]):
 
     @property
     def limit(self) -> SpeedLimit:
-        return self._doubt.limit if self._doubt.trouble else self._blind_limit
+        doubted = self._doubt.trouble or self._camera_doubt.trouble
+        return SpeedLimit(creep(self._config), doubted) if doubted else self._blind_limit
 
     def open(self, session: int) -> None:
         self._reports.forget()
         self._doubt.forget()
+        self._camera_doubt.forget()
         super().open(session)
+
+    def on_camera(self, told: VisualOdometry, now: RobotTime) -> None:
+        self._camera_doubt.on_camera(told, now)
 
     def ask(self, linear: float, angular: float, *, armed: bool, free_side: Side) -> Answer:  # noqa: ARG002  it stands by itself
         report, demand = self._newest, self._demand.of(linear, angular)
@@ -80,7 +87,9 @@ class WheelsDrive(Dialogue[WheelsFrame]):
 
     def _samples(self, report: WheelsFrame, now: RobotTime) -> tuple[Sample, ...]:
         self._doubt.take(report)
-        return (self._reports.take(report, now),)
+        sample = self._reports.take(report, now)
+        self._camera_doubt.on_wheels(sample)
+        return (sample,)
 
     def _configure(self, report: WheelsFrame) -> Frame:
         return self._frames.configure(report, self._session, self._settings)
