@@ -94,11 +94,15 @@ class Ground:
             columns, rows = (np.rint(each[at]).astype(np.intp) for each in self._maps)
         return tuple(zip(columns.tolist(), rows.tolist(), strict=True))
 
+    def lens_height(self, roll: float = 0.0, pitch: float = 0.0) -> float:
+        """Return m of the lens above the floor, of a body that leans. At zero the floor is seen as a line."""
+        return -float(self._lens_at @ np.array([pitch, -roll, -1.0]))
+
     def floor(self, pixels: Array, roll: float = 0.0, pitch: float = 0.0) -> Array:
         """Return the floor at pixels of a body that leans by roll and pitch (rad, small). What looks up is far away."""
         ray = np.column_stack([pixels, np.ones(len(pixels))]) @ self._to_body.T
-        lean = np.array([pitch, -roll, -1.0])
-        down, high = ray @ lean, -float(self._lens_at @ lean)
+        down = ray @ np.array([pitch, -roll, -1.0])
+        high = self.lens_height(roll, pitch)
         return np.asarray(self._lens_at[:2] + ray[:, :2] * (high / np.maximum(down, _LEAST_DOWN))[:, None])
 
     def seen(self, floor: Array, motions: Array) -> Array:

@@ -30,6 +30,8 @@ _PRECISE: Final = 0.3
 """px. Standard deviation of a corner that was followed well."""
 _VAGUE: Final = 0.1
 """m or rad. Standard deviation of a motion in its least certain direction, from which corners tell none."""
+_LOWEST: Final = 0.2
+"""Share of the lens's height that a lean must leave. No body leans farther, and at zero no picture can be warped."""
 _LEAST: Final = 6
 _SHARED: Final = 3.0
 """Corners near each other are off alike: three count as one."""
@@ -104,6 +106,8 @@ def refined(ground: Ground, floor: Array, pixels: Array, begin: Consensus, sway:
         if not np.isfinite(information).all() or np.linalg.eigvalsh(information)[0] < (_PRECISE / _VAGUE) ** 2:
             return None  # rounding may leave a singular matrix regular
         motion = motion + np.linalg.solve(information, slope.T @ (weight * error) - prior @ (motion - expected))
+        if ground.lens_height(*motion[3:]) < _LOWEST * ground.lens_height():
+            return None
         off = ((ground.seen(floor, motion[None])[0] - pixels) ** 2).sum(axis=1)
         agrees = off < _REFINED_GATE**2
     if agrees.sum() < _LEAST:

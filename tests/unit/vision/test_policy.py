@@ -143,6 +143,17 @@ def test_corners_in_one_place_tell_no_motion() -> None:
     assert refined(ground, floor, pixels, Consensus(np.zeros(5), np.full(8, True), 0), np.zeros(2)) is None
 
 
+@pytest.mark.parametrize(("share", "is_told"), [(0.7, True), (1.0, False)])
+def test_a_lean_that_puts_the_lens_on_the_floor_tells_no_motion(share: float, is_told: bool) -> None:
+    """No picture can be warped to that floor."""
+    ground = Ground(Camera(x=0.5, z=0.1, pitch=0.35), 320, 240)
+    floor = np.array([[x, y] for x in (0.8, 1.0, 1.3, 1.7) for y in (-0.3, -0.1, 0.1, 0.3)])
+    motion = np.array([0.0, 0.0, 0.0, 0.0, 0.2 * share])
+    pixels = ground.seen(floor, motion[None])[0]
+    fit = refined(ground, floor, pixels, Consensus(motion, np.full(len(floor), True), 0), motion[3:])
+    assert (fit is not None) == is_told
+
+
 def test_a_lens_that_bends_is_straightened() -> None:
     camera = msgspec.structs.replace(CAMERA, distortion=(-0.3, 0.1, 0.0, 0.0, 0.0), yaw=0.6, roll=0.2, y=0.2)
     (first, *_), *_, (last, told, _) = told_of(islice(film("straight", Scene("brick"), camera=camera), 20), camera)
