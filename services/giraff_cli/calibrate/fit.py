@@ -19,6 +19,7 @@ from giraff_cli.calibrate.paths import Floats, way
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.calibrate.variance import SLIP, Linear, Noise, noise_of, solve
 from giraff_cli.calibrate.windows import LENGTH, WHOLE, Uncertainty, residuals, uncertainty, windows_of
+from giraff_cli.condition import is_determined
 from giraff_core.kinematics.calibration import Calibration, Covariance, Scales
 
 _TELLING: Final = 6
@@ -34,6 +35,10 @@ _LOWEST, _HIGHEST = 0.5, 2.0
 _COUPLED: Final = 0.9
 """Correlation of track and wheel ratio, as the ends of the runs tell them, from which on one may stand for the other:
 all squares in one direction have 1.0, as many in the other 0.0, three to one 0.5."""
+_UNKNOWN: Final = 1e3
+"""Of a scale. Standard deviation of what nothing tells."""
+_LOST: Final = 1e-12
+"""Share of the largest information below which there is rounding only."""
 _SIZE: Final = np.array((0.5, 0.5, 0.0))
 _RATIO: Final = np.array((-1.0, 1.0, 0.0))
 _TURN: Final = np.array((-0.5, -0.5, 1.0))
@@ -199,10 +204,9 @@ def _growth(whole: Sequence[Linear], noise: Noise) -> float:
 
 def _covariance(information: Floats, growth: float) -> Floats:
     """Of the scales. UndeterminedError where it is no better than that of a robot that nobody has calibrated."""
-    values = np.linalg.eigvalsh(information)
-    if values[0] <= 1e-13 * values[-1]:
+    if not is_determined(information, are_alike=True):
         raise UndeterminedError(_what_is_missing(information))
-    covariance = _inverse(information) * growth
+    covariance = np.linalg.inv(information).astype(np.float64) * growth
     if np.any(np.sqrt(np.diag(covariance)) > _limits()):
         raise UndeterminedError(_what_is_missing(information / growth))
     return (covariance + covariance.T) / 2.0
@@ -210,18 +214,21 @@ def _covariance(information: Floats, growth: float) -> Floats:
 
 def _what_is_missing(information: Floats) -> str:
     """Which combination of the scales is least sure, with how sure it is, and what to drive."""
-    # A little of prior knowledge keeps what is not determined at all finite; it changes nothing of what is.
-    covariance = _inverse(information + np.eye(3) * 1e-6)
-    unsure = [(_spread(combination, covariance), words) for combination, words in _MISSING]
+    root = _root(information)
+    unsure = [(float(np.linalg.norm(combination @ root)), words) for combination, words in _MISSING]
     spread, words = max(unsure)
     limit = float(_limits()[0])
     amount = "not at all" if spread > 0.5 else f"to {100 * spread:.1f} %"
     return f"{words} (known {amount}; {100 * limit:.1f} % is no better than a robot that nobody has calibrated)"
 
 
-def _inverse(matrix: Floats) -> Floats:
-    inverse: Floats = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
-    return inverse
+def _root(information: Floats) -> Floats:
+    """Return a matrix that gives the covariance when it is multiplied by its transpose.
+
+    What is not determined has a large deviation instead of an infinite one.
+    """
+    values, axes = np.linalg.eigh(information)
+    return np.asarray(axes / np.sqrt(np.where(values > _LOST * values[-1], values, _UNKNOWN**-2)))
 
 
 def _limits() -> Floats:
@@ -240,8 +247,9 @@ def _warnings(of_ends: Floats) -> tuple[str, ...]:
     Poses on the way tell straight pieces from corners, and so the two apart; but as far as the model of a robot goes.
     """
     # The size of the wheels taken as known: on closed courses no end tells it, which is another matter.
-    covariance = _inverse(of_ends + np.outer(_SIZE, _SIZE) * 1e8 + np.eye(3) * 1e-6)
-    together = float(_RATIO @ covariance @ _TURN / (_spread(_RATIO, covariance) * _spread(_TURN, covariance)))
+    root = _root(of_ends + np.outer(_SIZE, _SIZE) * 1e8)
+    ratio, turn = _RATIO @ root, _TURN @ root
+    together = float(ratio @ turn / (np.linalg.norm(ratio) * np.linalg.norm(turn)))
     if abs(together) < _COUPLED:
         return ()
     alike = f"a wrong track and unequal wheels look alike at the ends of these runs (correlation {together:+.2f})"

@@ -14,6 +14,7 @@ import numpy as np
 
 from giraff_cli.calibrate.paths import Floats
 from giraff_cli.calibrate.windows import Uncertainty
+from giraff_cli.condition import is_determined
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 
 SLIP: Final = WHEEL_NOISE
@@ -51,7 +52,7 @@ class Solution(NamedTuple):
     """Of the weighted least squares."""
 
     step: Floats
-    """Shape (3,): to be added to the scales."""
+    """Shape (3,): to be added to the scales. Zero where the runs do not determine them."""
     information: Floats
     """3 x 3: the inverse of the step's covariance."""
     cost: float
@@ -69,10 +70,11 @@ def solve(runs: Sequence[Linear], noise: Noise) -> Solution:
         information += slopes.T @ slopes
         pull += slopes.T @ off
         cost += float(off @ off) + 2.0 * float(np.sum(np.log(np.diag(root))))
-    step = -np.linalg.pinv(information, rcond=1e-14, hermitian=True) @ pull
-    sign, size = np.linalg.slogdet(information)
-    cost += float(pull @ step) + float(size)
-    return Solution(step, information, cost if sign > 0 and math.isfinite(cost) else math.inf)
+    if not is_determined(information, are_alike=True):
+        return Solution(np.zeros(3), information, math.inf)
+    step: Floats = np.linalg.solve(information, -pull).astype(np.float64)
+    cost += float(pull @ step) + float(np.linalg.slogdet(information)[1])
+    return Solution(step, information, cost if math.isfinite(cost) else math.inf)
 
 
 def noise_of(runs: Sequence[Linear], start: Noise, least_slip: float, *, with_play: bool) -> Noise:

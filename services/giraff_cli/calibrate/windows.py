@@ -28,6 +28,10 @@ WHOLE: Final = 1e9
 _MOST: Final = 50
 """Of one run: longer ones have longer windows, or the fit takes minutes."""
 
+_OWN: Final = 1e-9
+"""Share of each variance that nothing else has. Where play is large beside what a count tells, windows of one run
+would else determine each other, and rounding would decide whether their covariance is regular."""
+
 
 class Window(NamedTuple):
     """A piece of one run."""
@@ -52,7 +56,8 @@ class Uncertainty(NamedTuple):
 
     def covariance(self, slip: float, play: float) -> Floats:
         """`play`: m, standard deviation."""
-        return self.known + slip * self.by_slip + play**2 * self.by_play
+        covariance = self.known + slip * self.by_slip + play**2 * self.by_play
+        return covariance + _OWN * np.diag(np.diag(covariance))
 
 
 def windows_of(runs: Sequence[Run], geometry: Geometry, length: float = LENGTH, most: int = _MOST) -> list[Window]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_base.drives.wheels.config import SpeedControl
+from giraff_cli.condition import is_determined
 from giraff_core.bounds import bounds_of
 from giraff_core.counters import elapsed_us, restart, signed32
 from giraff_schemas.messages import Wheels
@@ -149,7 +150,9 @@ def identify(leg: Leg) -> Motor:
         raise unclear
     pushed = _integral(_integral(leg.pwm[begin:], seconds), seconds)
     regressors = np.column_stack([seconds, pushed, seconds**2 / 2.0, _integral(way, seconds)])
-    fitted = np.linalg.lstsq(regressors, way, rcond=None)[0]
+    if not is_determined(regressors.T @ regressors):
+        raise unclear
+    fitted = np.linalg.lstsq(regressors, way)[0]
     _, push, drag, back = fitted
     rough = float(np.sqrt(np.mean((regressors @ fitted - way) ** 2)))
     if not (push > 0.0 and back < 0.0 and _TIMES[0] <= -1.0 / back <= _TIMES[1] and rough <= _ROUGHEST):

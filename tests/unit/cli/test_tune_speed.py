@@ -47,9 +47,9 @@ class Turning:
     def __init__(self, motor: Motor) -> None:
         self.motor, self.speed, self.travel, self.pwm = motor, 0.0, 0.0, 0
 
-    def step(self, asked: float) -> None:
+    def step(self, asked: float, push: int = 0) -> None:
         self._move()
-        self.pwm = round(asked / 0.0086 + 60.0 * (asked - self.speed)) if asked else 0
+        self.pwm = push or round(asked / 0.0086 + 60.0 * (asked - self.speed)) if asked else 0
         self._move()
 
     def _move(self) -> None:
@@ -59,8 +59,8 @@ class Turning:
         self.travel += self.speed * STEP / 2.0
 
 
-def drive(*, pace: float = 0.25, ticks: float = TICKS) -> Iterator[Wheels]:
-    """Yield the wheels of a way ahead and back, a sample each STEP."""
+def drive(*, pace: float = 0.25, ticks: float = TICKS, push: int = 0) -> Iterator[Wheels]:
+    """Yield the wheels of a way ahead and back, a sample each STEP. `push`: PWM counts all along, without the loop."""
     sides, asked, at = [Turning(motor) for motor in MOTORS], 0.0, 0
     for way in (1.0, -1.0):
         began = sides[0].travel
@@ -68,7 +68,7 @@ def drive(*, pace: float = 0.25, ticks: float = TICKS) -> Iterator[Wheels]:
             left = max(0.0, 0.5 - way * (sides[0].travel - began))
             asked = min(asked + 0.006, pace, math.sqrt(0.8 * left)) if left > 0.004 and step < 250 else 0.0
             for side in sides:
-                side.step(way * asked)
+                side.step(way * asked, round(way * push))
             at += 1
             yield sample(at, *sides, ticks=ticks)
 
@@ -111,6 +111,7 @@ CANNOT: Final[dict[str, tuple[Callable[[], list[Wheels]], str]]] = {
     "hardly excited": (lambda: list(drive(pace=0.03)), "check its encoder|does not tell its motor"),
     "a gap": (lambda: [each for at, each in enumerate(drive()) if not 40 < at < 60], "not heard all the way"),
     "another scale": (lambda: list(drive(ticks=1500.0)), "ticks_per_metre"),
+    "one push all along": (lambda: list(drive(push=30)), "does not tell its motor"),
     "no way back": (lambda: list(drive())[:300], "got nothing on the way back"),
 }
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Final, NamedTuple
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from giraff_cli.calibrate.camera.picture import Points, UnusableError
 from giraff_cli.chessboard import COLUMNS, ROWS, SQUARE
+from giraff_cli.condition import is_determined
 from giraff_core.sensors import Camera
 
 FEWEST: Final = 10
@@ -114,7 +116,7 @@ def _fitted(views: Sequence[Points], width: int, height: int) -> tuple[Lens, flo
     corners = [np.asarray(view, dtype=np.float32).reshape(-1, 1, 2) for view in views]
     board = [board_corners().astype(np.float32)] * len(views)
     unknown, none = np.eye(3), np.zeros(5)
-    error, matrix, distortion, _, _, sds, _, errors = cv2.calibrateCameraExtended(
+    error, matrix, distortion, rotations, shifts, _, _, errors = cv2.calibrateCameraExtended(
         board, corners, (width, height), unknown, none, flags=cv2.CALIB_FIX_K3
     )
     k1, k2, p1, p2, k3 = (float(value) for value in np.asarray(distortion).ravel()[:5])
@@ -127,7 +129,24 @@ def _fitted(views: Sequence[Points], width: int, height: int) -> tuple[Lens, flo
         float(matrix[1, 2]),
         (k1, k2, p1, p2, k3),
     )
-    return lens, float(error), float(np.asarray(sds).ravel()[0]), np.asarray(errors, dtype=np.float64).ravel()
+    focal_sd = _focal_sd(lens, float(error), zip(rotations, shifts, strict=True))
+    return lens, float(error), focal_sd, np.asarray(errors, dtype=np.float64).ravel()
+
+
+def _focal_sd(lens: Lens, error: float, poses: Iterable[tuple[Any, Any]]) -> float:
+    """Return the focal length's standard deviation, infinite where the views do not determine it.
+
+    OpenCV's own is near zero there: it leaves out what is not determined.
+    """
+    normal = np.zeros((8, 8))
+    for rotation, shift in poses:
+        slopes = cv2.projectPoints(board_corners(), rotation, shift, lens.matrix, np.array(lens.distortion))[1]
+        of_pose, of_lens = np.split(slopes[:, :14], [6], axis=1)
+        basis = np.linalg.qr(of_pose)[0]
+        told = of_lens - basis @ (basis.T @ of_lens)  # beside what the pose explains
+        normal += told.T @ told
+    # The error is the distance of a corner, which is off in two directions.
+    return error * math.sqrt(np.linalg.inv(normal)[0, 0] / 2.0) if is_determined(normal) else math.inf
 
 
 def board_corners() -> NDArray[np.float64]:

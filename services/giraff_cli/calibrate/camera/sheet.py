@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from giraff_cli.calibrate.camera.lens import Lens
 from giraff_cli.calibrate.camera.picture import Grey, Points, UnusableError
 from giraff_cli.chessboard import A4
+from giraff_cli.condition import is_determined
 
 _LEVELS: Final = 12
 """Brightnesses at which outlines are looked for."""
@@ -168,7 +169,7 @@ def _measured(grey: Grey, outline: Points, lens: Lens) -> FloorPose:
 def _corners(grey: Grey, outline: Points, lens: Lens) -> Points:
     """Return the sheet's corners as a lens without distortion shows them, where lines along its edges meet.
 
-    They go round against the clock, as seen from above the floor.
+    They go round against the clock, as seen from above the floor. Raises UnusableError.
     """
     if float(cv2.contourArea(outline.astype(np.float32), oriented=True)) > 0:  # y is down
         outline = outline[::-1]
@@ -184,7 +185,7 @@ def _line(grey: Grey, one: Points, other: Points, lens: Lens) -> NDArray[np.floa
     """Return a, b and c of ax + by + c = 0 along the edge near two corners.
 
     It is fitted to the places where brightness falls outward, of all pixels at once: stones and joints of the floor,
-    which lie beside the line, count ever less.
+    which lie beside the line, count ever less. Raises UnusableError.
     """
     length = float(np.linalg.norm(other - one))
     along = (other - one) / length
@@ -203,9 +204,10 @@ def _line(grey: Grey, one: Points, other: Points, lens: Lens) -> NDArray[np.floa
     for near in _NEAR:
         weight = fall * np.exp(-0.5 * ((between - where @ line) / near) ** 2)
         weighted = where * weight[..., None]
-        line = np.linalg.solve(
-            np.einsum("ijk,ijl->kl", weighted, where) + 1e-9 * np.eye(2), np.einsum("ijk,ij->k", weighted, between)
-        )
+        normal = np.einsum("ijk,ijl->kl", weighted, where)
+        if not is_determined(normal):
+            raise UnusableError("an edge of the sheet is not seen; lay it on plain floor, with nothing on or beside it")
+        line = np.linalg.solve(normal, np.einsum("ijk,ij->k", weighted, between))
     first, last = one + line[0] * out, other + (line[0] + line[1]) * out
     return np.asarray(np.cross(np.append(first, 1.0), np.append(last, 1.0)), dtype=np.float64)
 
@@ -225,7 +227,8 @@ def _pose(sheet: NDArray[np.float64], corners: Points, lens: Lens, six: NDArray[
     """Return the pose with its standard deviations; `six`: rotation and shift from sheet to camera."""
     seen, slopes = cv2.projectPoints(sheet, six[:3], six[3:], lens.matrix, None)[:2]
     error = math.sqrt(float(((np.reshape(seen, (-1, 2)) - corners) ** 2).sum(axis=1).mean()))
-    covariance = (_CORNER_SD * lens.width / 320) ** 2 * np.linalg.pinv(slopes[:, :6].T @ slopes[:, :6])
+    # Four corners tell six numbers wherever the sheet is, even seen along its edge.
+    covariance = (_CORNER_SD * lens.width / 320) ** 2 * np.linalg.inv(slopes[:, :6].T @ slopes[:, :6])
     step = 1e-6
     slope = np.array([(_above_floor(six + step * axis) - _above_floor(six)) / step for axis in np.eye(6)])
     z, roll, pitch = _above_floor(six)

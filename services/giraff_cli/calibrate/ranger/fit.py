@@ -13,6 +13,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from giraff_cli.condition import is_determined
 from giraff_core.bounds import bounds_of
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
@@ -145,9 +146,12 @@ def fit(
     prior = [[0.0, 0.0, 1.0 / tape, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0 / max(way_sd, 1e-4), 0.0]]
     table = np.array([*rows, *prior])
     design, wanted = table[:, :4], table[:, 4]
-    solved = np.linalg.lstsq(design, wanted, rcond=None)[0]
+    normal = design.T @ design
+    if not is_determined(normal):
+        raise UntoldError("all its distances are alike, which tell no scale; let the robot drive between the rests")
+    solved = np.linalg.solve(normal, design.T @ wanted)
     off = float(np.abs(design @ solved - wanted).max())
-    x_sd, scale_sd = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))[:2]
+    x_sd, scale_sd = np.sqrt(np.diag(np.linalg.inv(normal)))[:2]
     x, scale = float(solved[0]), float(solved[1])
     bounds = bounds_of(SensorPose)["scale"]
     for is_wrong, why in (
