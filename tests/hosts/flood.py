@@ -1,7 +1,7 @@
 """Runs on a machine of the lab and floods a door: python flood.py KIND HOST PORT ...
 
 Prints {"open": connections that are open, "made": all that came about so far} again and again. It ends when it is
-killed; the kind `peers` comes once.
+killed; the kinds `peers` and `leaves` come once.
 """
 
 from __future__ import annotations
@@ -52,6 +52,8 @@ KINDS: Final[dict[str, Raw | Sessions]] = {
     "slow": Raw(held=1000, says=b"\x20", every=1.0),
     "clients": Sessions("client", held=200, stay=5.0, come_again=True),
     "peers": Sessions("peer", held=20, stay=2.5, come_again=False),
+    "leaves": Sessions("peer", held=1, stay=3.0, come_again=False),
+    "stays": Sessions("peer", held=1, stay=3600.0, come_again=False),
 }
 
 

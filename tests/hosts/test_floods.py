@@ -39,6 +39,11 @@ SERVICES: Final = ("door", *INSIDE)
     )
 )
 _WINDOW: Final = 3.0  # s
+_LEAVE: Final = 12
+"""Peers that leave in order, and as many that are killed."""
+_STAY: Final = 3  # s of each
+_MORE_FILES: Final = 3
+_MORE_MEMORY: Final = 4.0  # MB
 _PATIENCE: Final = 60.0  # s
 
 
@@ -86,6 +91,34 @@ def test_peers_that_come_and_go_leave_nothing_behind(site: ProcessSite) -> None:
     assert numbers(site) == pids
 
 
+def test_peers_that_leave_one_by_one_leave_nothing_behind(site: ProcessSite) -> None:
+    """While another of their host stays. Each was missed, and each visit for it left links in all services."""
+    services = (*SERVICES, "motion", "joystick")
+    site.start({}, *SERVICES, "motion")
+    site.start({}, "joystick", host="laptop")
+    turn(site)
+    flood(site, "stays", *ALL_PORTS[:1])
+    wait(lambda: min(links_to_strangers(site)) >= 1, _PATIENCE, what=lambda: links_to_strangers(site))
+    site.hardware.run(_WINDOW)
+    before = {name: used(site.pid(name)) for name in services}
+    peers: list[subprocess.Popen[bytes]] = []
+    for number in range(_LEAVE + _STAY):
+        if number < _LEAVE:
+            flood(site, "stays", *ALL_PORTS[:1], name=f"killed-{number}")
+            peers.append(flood(site, "leaves", *ALL_PORTS[:1], name=f"leaves-{number}"))
+        site.hardware.run(1.0)
+        if number >= _STAY:
+            site.kill(f"killed-{number - _STAY}")
+    wait(lambda: all(peer.poll() == 0 for peer in peers), _PATIENCE)
+
+    def more() -> dict[str, tuple[int, float]]:
+        now = {name: used(site.pid(name)) for name in services}
+        return {name: (now[name][0] - files, now[name][1] - memory) for name, (files, memory) in before.items()}
+
+    wait(lambda: all(abs(files) <= _MORE_FILES for files, _ in more().values()), _PATIENCE, what=more)
+    assert max(memory for _, memory in more().values()) <= _MORE_MEMORY, more()
+
+
 def secured(site: ProcessSite) -> tuple[dict[str, str], dict[str, str]]:
     """Return the network of the robot and that of the laptop."""
     folder, now = site.directory / "keys", dt.datetime.now(dt.UTC)
@@ -116,9 +149,9 @@ def turns_on(site: ProcessSite) -> bool:
     return is_driven
 
 
-def flood(site: ProcessSite, kind: str, *ports: str) -> subprocess.Popen[bytes]:
+def flood(site: ProcessSite, kind: str, *ports: str, name: str = "flood") -> subprocess.Popen[bytes]:
     command = [*PYTHON, str(Path(__file__).with_name("flood.py")), kind, ROBOT, *ports]
-    return site.begin("flood", "stranger", command, {})
+    return site.begin(name, "stranger", command, {})
 
 
 def told(site: ProcessSite) -> dict[str, int]:
@@ -138,6 +171,12 @@ def links_to_strangers(site: ProcessSite) -> list[int]:
     table = [line.split() for line in Path(f"/proc/{site.pid('base')}/net/tcp").read_text("utf-8").splitlines()]
     ends = {f"socket:[{row[9]}]" for row in table if row[2].startswith(stranger)}
     return [sum(end in ends for end in descriptors(site.pid(name))) for name in INSIDE]
+
+
+def used(pid: int) -> tuple[int, float]:
+    """Return descriptors and memory (MB) of a process."""
+    [kilobytes] = re.findall(r"RssAnon:\s+(\d+)", Path(f"/proc/{pid}/status").read_text("utf-8"))
+    return sum(1 for _ in descriptors(pid)), int(kilobytes) / 1000
 
 
 def descriptors(pid: int) -> Iterator[str]:

@@ -353,6 +353,7 @@ class ProcessRobot:
         operators["transport"]["link"]["protocols"] = ["tcp"]
         operators["listen"]["endpoints"] = []
         operators["connect"]["endpoints"] = []
+        del operators["id"]  # another one each time it starts
         operators["scouting"]["gossip"] = {"enabled": False}  # it would tell the others' own ports
         for service in ("base", "guard", "motion"):
             port = free_port()

@@ -5,6 +5,9 @@ is told of, but only when that peer is news to the one who tells. Who is inside 
 stayed deaf to each other for good while others of their hosts were not. A visit is a second session for a moment. It
 is news to everybody: through it both hear of each other, and dial. One visit of a host is enough. Over a slow cable
 it holds up its own process for a tenth of a second and more, so base and guard leave it to the others.
+
+Only this robot's own peers and hands are missed: their ids have its mark. Each visit costs all others a link for a
+moment, so a host gets few of them. Strangers come and go, and on an open network one may forge the mark.
 """
 
 from __future__ import annotations
@@ -17,60 +20,81 @@ from typing import Final, NamedTuple
 
 import zenoh
 
-from giraff_core.network import NetworkConfig
+from giraff_core.network import HAND_PORTS, NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.scouting import is_visit
-from giraff_node.network.session import INSIDE_ID_ENDS, Role, close_session, open_session
+from giraff_node.network.session import INSIDE_ID_ENDS, Role, close_session, mark_of, open_session
 from giraff_node.network.sockets import PROTOCOL
 from giraff_node.network.tcp_options import set_tcp_options
 
 _STAYS: Final = 2.0
 """s; who was linked for less is not missed. Commands are clients, and touch nobody but a door."""
 _VISITS_EVERY: Final = 1.0  # s; the first may come before the other end has noticed
+_MOST_VISITS: Final = 12
+"""Visits of a host in a row."""
+_NEXT_VISIT: Final = 10.0
+"""s until a host that has had them may have one more."""
+_MOST_DIALLED: Final = 16
+"""Locators of one visit. A robot's host has fewer, and on an open network others may come and go there."""
 _GIVES_UP: Final = 12.0
 """s; then it was ended, alone of its host. A program that is not ours may hold a dead link for 10 s."""
 _LOOK: Final = 0.2  # s between looks
 _SETTLES: Final = 5.0
 """s, more than a handshake may take (`open_timeout`): Zenoh sets options of its own when one ends."""
 OWN_HOST: Final = "this host"
+_OWN_PORTS: Final = {str(port) for port in HAND_PORTS}
 _VISIT: Final = 0.7  # s; telling takes two round trips, dialling one more
 
 
-class _Peer(NamedTuple):
+class Way(NamedTuple):
+    """How a peer is linked."""
+
     host: str
+    locator: str = ""
+    """Where it listens; empty: it has dialled this process."""
+
+
+class _Peer(NamedTuple):
+    way: Way
     since: float
     """That it is linked, or missed; s."""
 
 
 class LostPeers:
-    """Who has gone from a host where others still are. `delay`: s from then to the first visit."""
+    """Peers of a robot that have gone from a host where others still are."""
 
-    def __init__(self, delay: float) -> None:
-        self._delay = delay
+    def __init__(self, robot: str, delay: float) -> None:
+        """`delay`: s from then to the first visit."""
+        self._mark, self._delay = mark_of(robot), delay
         self._linked: dict[str, _Peer] = {}
         self._missed: dict[str, _Peer] = {}
         self._next = 0.0
+        self._spent: dict[str, float] = {}
+        """Host -> s at which it may have all its visits again."""
 
-    def look(self, now: float, links: Mapping[str, str]) -> bool:
-        """Whether a visit is due. `links`: id of each peer that is linked -> its host; `now`: monotonic, s.
+    def look(self, now: float, links: Mapping[str, Way]) -> list[str] | None:
+        """Return the locators that a visit dials, or None when none is due. `links`: by id of the peer; `now`: s.
 
         Of this process's own host only who is inside is missed: others come and go, and need nobody.
         """
         for peer in self._linked.keys() - links.keys():
-            host, since = self._linked.pop(peer)
-            # On a busy machine a visit may take longer than it stays, and visits would be made for each other for ever.
-            if now - since >= _STAYS and not is_visit(peer) and (host != OWN_HOST or peer.endswith(INSIDE_ID_ENDS)):
+            way, since = self._linked.pop(peer)
+            if now - since >= _STAYS and (way.host != OWN_HOST or peer.endswith(INSIDE_ID_ENDS)):
                 self._next = max(self._next, now + self._delay)
-                self._missed[peer] = _Peer(host, now)
-        for peer, host in links.items():
-            self._linked.setdefault(peer, _Peer(host, now))
-            self._missed.pop(peer, None)
+                self._missed[peer] = _Peer(way, now)
+        for peer, way in links.items():
+            if peer[: -len(INSIDE_ID_ENDS)].endswith(self._mark):
+                self._linked.setdefault(peer, _Peer(way, now))
+                self._missed.pop(peer, None)
         self._missed = {peer: one for peer, one in self._missed.items() if now - one.since < _GIVES_UP}
-        hosts = set(links.values())
-        due = now >= self._next and any(one.host in hosts for one in self._missed.values())
-        if due:
-            self._next = now + _VISITS_EVERY
-        return due
+        self._spent = {host: until for host, until in self._spent.items() if until > now}
+        hosts = {way.host for way in links.values()} & {one.way.host for one in self._missed.values()}
+        hosts = {host for host in hosts if self._spent.get(host, now) <= now + (_MOST_VISITS - 1) * _NEXT_VISIT}
+        if now < self._next or not hosts:
+            return None
+        self._next = now + _VISITS_EVERY
+        self._spent |= {host: self._spent.get(host, now) + _NEXT_VISIT for host in hosts}
+        ways = {one.way for one in (*self._linked.values(), *self._missed.values())}
+        return sorted({way.locator for way in ways if way.host in hosts} - {""})[:_MOST_DIALLED]
 
 
 class LinkRepair:
@@ -87,7 +111,7 @@ class LinkRepair:
         """`visits`: the role in which it does; None: it leaves that to others. `on_impostor` takes such a peer's id."""
         self._session, self._network, self._robot, self._visits = session, network, robot, visits
         self._on_impostor = on_impostor
-        self._lost_peers = LostPeers(delay_of(str(session.zid())))
+        self._lost_peers = LostPeers(robot, delay_of(str(session.zid())))
         self._under_way: threading.Thread | None = None
         self._next = 0.0
         self._seen: object = None  # links and descriptors at the last look
@@ -104,9 +128,9 @@ class LinkRepair:
             self._on_impostor(peer)
         if self._visits is None:
             return
-        links = hosts_of(found)
-        if self._lost_peers.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
-            whom = (self._network, self._robot, self._visits)
+        dials = self._lost_peers.look(now, ways_of(found))
+        if dials is not None and (self._under_way is None or not self._under_way.is_alive()):
+            whom = (self._network, self._robot, self._visits, dials)
             self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)
             self._under_way.start()
 
@@ -122,10 +146,10 @@ class LinkRepair:
             set_tcp_options()
 
 
-def join_briefly(network: NetworkConfig, robot: str, role: Role) -> None:
-    """Join the network of `robot` for a moment."""
+def join_briefly(network: NetworkConfig, robot: str, role: Role, dials: list[str]) -> None:
+    """Join the network of `robot` for a moment, also at the locators `dials`."""
     try:
-        session = open_session(network, robot, role, visits=True)
+        session = open_session(network, robot, role, visits=True, dials=dials)
     except (zenoh.ZError, ConfigError):  # the next visit, or nobody, is told; this process is well without
         return
     time.sleep(_VISIT)
@@ -145,10 +169,15 @@ class Link(NamedTuple):
     dst: str
 
 
-def hosts_of(links: Iterable[Link]) -> dict[str, str]:
-    """Peer -> host, of links that are no sockets: "tcp/10.0.0.5:7447" is at 10.0.0.5."""
-    found = ((link.peer, _host(link.src), _host(link.dst)) for link in links)
-    return {peer: OWN_HOST if host == own else host for peer, own, host in found if host}
+def ways_of(links: Iterable[Link]) -> dict[str, Way]:
+    """Return by peer how it is linked, of links that are no sockets: "tcp/10.0.0.5:7447" is at 10.0.0.5."""
+    found = ((peer, _host(src), _host(dst), "" if _is_own_port(src) else dst) for peer, src, dst in links)
+    return {peer: Way(OWN_HOST if host == own else host, locator) for peer, own, host, locator in found if host}
+
+
+def _is_own_port(src: str) -> bool:
+    """Tell whether this end of a link is at a port where hands listen: the other end has dialled."""
+    return src.rpartition(":")[2] in _OWN_PORTS
 
 
 def impostors(links: Iterable[Link]) -> set[str]:

@@ -1,13 +1,15 @@
 """The Zenoh session of a process: table `[network]` of the robot file.
 
 What the session says to Zenoh, and why, is in the files of `deploy/zenoh`: `peer.toml` for every network, one file
-for each mode, and `recorder.toml` for who records. Here this host's own endpoints, certificates and rules are put in.
+for each mode, `recorder.toml` for who records, `visit.toml` for a visit. Here this host's own endpoints, certificates
+and rules are put in.
 """
 
 from __future__ import annotations
 
 import contextlib
 import functools
+import hashlib
 import os
 import re
 import socket
@@ -62,6 +64,10 @@ one as well. So no peer may be linked in both ways: those inside meet each other
 
 INSIDE_ID_ENDS: Final = "ffffffff"
 """Zenoh compares ids from their last digits on, and of two peers the greater dials: nobody can dial who is inside."""
+_VISIT_ID_ENDS: Final = "00000001"
+"""The least id: all others dial a visit."""
+_OTHER_ID_ENDS: Final = "80"
+"""Between both, and never zero: Zenoh leaves out last digits that are zero, and the mark would be somewhere else."""
 _RETRIED: Final = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
 # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
 _FIRST: Final = "#exit_on_failure=true"
@@ -80,6 +86,7 @@ def session_config(
     *,
     records: bool = False,
     visits: bool = False,
+    dials: Sequence[str] = (),
     port: int = 0,
     name: str = "peer",
 ) -> dict[str, Any]:
@@ -87,21 +94,21 @@ def session_config(
 
     `port`: of its own, where it listens at one; 0: any. `records`: it hears what is no sample of ours. `visits`: it is
     gone in a moment, and leaves the sockets' rendezvous to those who stay. A session that waits for the rendezvous to
-    become free does not come back from its close, either. `name`: part of its socket's.
+    become free does not come back from its close, either. `dials`: more locators, of a visit. `name`: part of its
+    socket's.
     """
-    config = settings(
-        "peer", network.mode, *(("client",) if role == "client" else ()), *(("recorder",) if records else ())
-    )
+    more = {"client": role == "client", "recorder": records, "visit": visits}
+    config = settings("peer", network.mode, *(name for name, counts in more.items() if counts))
     listens, config["connect"]["endpoints"] = _endpoints(network, role, port, name, stays=not visits)
+    config["connect"]["endpoints"] += dials
     if listens:
         config["listen"]["endpoints"] = listens
     if port:
         config["listen"]["timeout_ms"] = _IS_TAKEN
     if role not in {"inside", "client"}:
         config["transport"]["link"]["protocols"].remove(PROTOCOL)
-    if role == "inside" or visits:
-        ends = INSIDE_ID_ENDS if role == "inside" else os.urandom(4).hex()
-        config["id"] = f"{os.urandom(7).hex()}{VISIT if visits else os.urandom(5).hex()}{ends}".lstrip("0")
+    if visits or role in {"inside", "door", "outside"}:
+        config["id"] = _new_id(robot, role, visits=visits)
     if network.local or role in {"inside", "client"}:
         config["scouting"]["multicast"]["enabled"] = False
     if network.site:
@@ -122,6 +129,17 @@ def session_config(
     return config
 
 
+def mark_of(robot: str) -> str:
+    """Return what the ids of a robot's own peers and hands have before their last eight digits."""
+    return hashlib.sha256(robot.encode()).hexdigest()[: len(VISIT)]
+
+
+def _new_id(robot: str, role: Role, *, visits: bool) -> str:
+    ends = INSIDE_ID_ENDS if role == "inside" else f"{os.urandom(3).hex()}{_OTHER_ID_ENDS}"
+    mark, ends = (VISIT, _VISIT_ID_ENDS) if visits else (mark_of(robot), ends)
+    return f"{os.urandom(7).hex()}{mark}{ends}".lstrip("0")
+
+
 def open_session(
     network: NetworkConfig,
     robot: str,
@@ -129,6 +147,7 @@ def open_session(
     *,
     records: bool = False,
     visits: bool = False,
+    dials: Sequence[str] = (),
     name: str = "peer",
 ) -> zenoh.Session:
     """Join the network of `robot`. Raises `zenoh.ZError`, ConfigError and, of a client, NobodyError."""
@@ -136,7 +155,9 @@ def open_session(
         return zenoh.open(zenoh.Config.from_file(network.session_file))
     if role == "client":
         return _open_client(network, robot, records=records)
-    config = functools.partial(session_config, network, robot, role, records=records, visits=visits, name=name)
+    config = functools.partial(
+        session_config, network, robot, role, records=records, visits=visits, dials=dials, name=name
+    )
     *first, last = ports_of(network, role)
     for port in first:
         with contextlib.suppress(zenoh.ZError):  # somebody else listens there
