@@ -56,6 +56,11 @@ def test_a_visit_dials_where_the_lost_one_and_the_others_of_its_host_listen() ->
     assert [each for each in dialled if each is not None] == [[LAPTOP.locator, lost.locator]]
 
 
+def test_a_visit_dials_few_of_a_crowd() -> None:
+    partings = met(BOTH | {own(f"{port}"): Way(ROBOT.host, f"tcp/10.0.0.2:{port}") for port in range(20_000, 20_100)})
+    assert [len(partings.look(10.0 + after, BOTH) or ()) for after in (0.0, DELAY)] == [0, 16]
+
+
 @pytest.mark.parametrize("stranger", ["c0ffee", own("page", "beta"), own("page")[:-1]])
 def test_a_stranger_is_not_missed(stranger: str) -> None:
     """The ids of this robot's peers and hands have its mark."""

@@ -141,6 +141,18 @@ class Hello(NamedTuple):
     locators: tuple[str, ...]
 
 
+@pytest.mark.parametrize("role", ["inside", "outside"])
+def test_a_visit_is_dialled_and_dials_where_it_is_told(tmp_path: Path, role: Role) -> None:
+    """A link that it was opening while it closed stayed for good. Of two peers the one with the greater id dials."""
+    network = NetworkConfig(sockets=str(tmp_path))
+    visit = session_config(network, ROBOT, role, visits=True, dials=["tcp/10.0.0.3:7449"])
+    assert visit["scouting"]["gossip"]["autoconnect"] == {"peer": []}
+    assert "tcp/10.0.0.3:7449" in visit["connect"]["endpoints"]
+    for other in get_args(Role)[:3]:
+        peer = session_config(network, ROBOT, other)["id"]
+        assert bytes.fromhex(visit["id"][-8:])[::-1] < bytes.fromhex(peer[-8:])[::-1]
+
+
 def test_a_client_links_to_no_visit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A visit ends within a second, and the link of a command or a stop would end with it."""
     visit = session_config(NetworkConfig(sockets=str(tmp_path)), ROBOT, "outside", visits=True)["id"]
