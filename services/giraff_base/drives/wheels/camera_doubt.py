@@ -7,7 +7,6 @@ doubt. One that sees less is no hazard: a wheel may spin, a lens may be dirty.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
 from collections import deque
 from typing import Final, NamedTuple
 
@@ -123,10 +122,10 @@ class CameraDoubt:
         moment = tick.robot_ns + round(told.since_tick * 1e9)
         if (now.robot_ns - moment) * 1e-9 > _OLDEST:
             return None
-        after = bisect_left(self._rolled, (moment,))
-        if not 0 < after < len(self._rolled):
+        if not self._rolled or moment <= self._rolled[0].robot_ns:
             return None
-        return self._rolled[after]._replace(robot_ns=moment)
+        after = next((each for each in self._rolled if each.robot_ns >= moment), None)
+        return after and after._replace(robot_ns=moment)
 
     def _judge(self, now: _Point) -> None:
         points = self._points
