@@ -86,7 +86,7 @@ def session_config(
     *,
     records: bool = False,
     visits: bool = False,
-    dials: Sequence[str] = (),
+    dials: Sequence[str] | None = None,
     port: int = 0,
     name: str = "peer",
 ) -> dict[str, Any]:
@@ -94,13 +94,13 @@ def session_config(
 
     `port`: of its own, where it listens at one; 0: any. `records`: it hears what is no sample of ours. `visits`: it is
     gone in a moment, and leaves the sockets' rendezvous to those who stay. A session that waits for the rendezvous to
-    become free does not come back from its close, either. `dials`: more locators, of a visit. `name`: part of its
-    socket's.
+    become free does not come back from its close, either. `dials`: locators of a visit that dials nobody else than
+    those and the network's own, and is dialled. `name`: part of its socket's.
     """
-    more = {"client": role == "client", "recorder": records, "visit": visits}
+    more = {"client": role == "client", "recorder": records, "visit": dials is not None}
     config = settings("peer", network.mode, *(name for name, counts in more.items() if counts))
     listens, config["connect"]["endpoints"] = _endpoints(network, role, port, name, stays=not visits)
-    config["connect"]["endpoints"] += dials
+    config["connect"]["endpoints"] += dials or ()
     if listens:
         config["listen"]["endpoints"] = listens
     if port:
@@ -108,7 +108,8 @@ def session_config(
     if role not in {"inside", "client"}:
         config["transport"]["link"]["protocols"].remove(PROTOCOL)
     if visits or role in {"inside", "door", "outside"}:
-        config["id"] = _new_id(robot, role, visits=visits)
+        mark, end = VISIT if visits else mark_of(robot), _VISIT_ID_ENDS if dials is not None else _id_end(role)
+        config["id"] = f"{os.urandom(7).hex()}{mark}{end}".lstrip("0")
     if network.local or role in {"inside", "client"}:
         config["scouting"]["multicast"]["enabled"] = False
     if network.site:
@@ -134,10 +135,8 @@ def mark_of(robot: str) -> str:
     return f"{zlib.crc32(robot.encode()):0{len(VISIT)}x}"
 
 
-def _new_id(robot: str, role: Role, *, visits: bool) -> str:
-    ends = INSIDE_ID_ENDS if role == "inside" else f"{os.urandom(3).hex()}{_OTHER_ID_ENDS}"
-    mark, ends = (VISIT, _VISIT_ID_ENDS) if visits else (mark_of(robot), ends)
-    return f"{os.urandom(7).hex()}{mark}{ends}".lstrip("0")
+def _id_end(role: Role) -> str:
+    return INSIDE_ID_ENDS if role == "inside" else f"{os.urandom(3).hex()}{_OTHER_ID_ENDS}"
 
 
 def open_session(
@@ -147,7 +146,7 @@ def open_session(
     *,
     records: bool = False,
     visits: bool = False,
-    dials: Sequence[str] = (),
+    dials: Sequence[str] | None = None,
     name: str = "peer",
 ) -> zenoh.Session:
     """Join the network of `robot`. Raises `zenoh.ZError`, ConfigError and, of a client, NobodyError."""
