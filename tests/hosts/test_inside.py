@@ -75,6 +75,7 @@ def test_a_laptop_that_nobody_can_dial_does_all_through_the_door(site: ProcessSi
     connect = [ROBOT] if mode == "fixed" else []
     named = [word for address in connect for word in ("--connect", address)]
     site.start(network, "door", *INSIDE)
+    wait(lambda: site.log("door"), _PATIENCE, what="a door that listens")
     site.shut("laptop", but="meta l4proto udp" if mode == "lan" else "")
 
     drive = site.machines["laptop"].inside([*PYTHON, "-m", "giraff_cli", "drive", "--robot", NAME, *named])

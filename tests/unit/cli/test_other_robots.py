@@ -68,3 +68,7 @@ def test_why_blames_no_sensor_that_the_robot_has_not(sensors: GuardState, ends: 
     if ends:
         chain.end("ranger")
     assert chain.put(topics.GUARD, sensors, "g").diagnosis().stopped_by == blamed
+
+
+def test_why_blames_no_sensor_while_nobody_tells_which_there_are() -> None:
+    assert Scene().end("ranger").end("guard").diagnosis().stopped_by == "guard"

@@ -72,6 +72,7 @@ class CameraDoubt:
         self._powered_ns = 0
         self._rolled: deque[_Rolled] = deque(maxlen=_KEPT)
         self._told: VisualOdometry | None = None
+        self._heard_ns = 0
         self._restart()
 
     def on_wheels(self, report: Wheels) -> None:
@@ -94,7 +95,10 @@ class CameraDoubt:
 
     def on_camera(self, told: VisualOdometry, now: RobotTime) -> None:
         """Judge the wheels by what the camera says next."""
-        last, self._told = self._told, told
+        last = self._told
+        if last is not None and told.instance != last.instance and now.robot_ns - self._heard_ns < _WINDOW_NS:
+            return  # of two that speak at once the first one counts, or neither would ever tell of a whole window
+        self._told, self._heard_ns = told, now.robot_ns
         if last is None or told.instance != last.instance:
             self._restart()
         elif told.key != last.key:

@@ -156,6 +156,8 @@ def test_counts_lost_by_both_are_found_soon(speed: float, counted: float) -> Non
     assert "restart giraff_base" in found.trouble.remedy
     assert watched(speed=lambda t: speed if t < 1.5 else 0.0, counted=counted).trouble, "it lasts"
     assert watched(report=short_pauses, seconds=2.0).trouble, "nor hidden by short pauses"
+    another = at(lambda n: n % 10 == 9, lambda told: replace(told, instance="another"))
+    assert watched(another).trouble, "nor by a second giraff_vision"
     found.forget()
     assert not found.trouble
 
