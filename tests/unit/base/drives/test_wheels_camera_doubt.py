@@ -178,7 +178,6 @@ LEFT_OUT: dict[str, Change] = {
     "long after its tick": lambda told: replace(earlier(0.6)(told), since_tick=0.6),
     "never": lambda told: replace(told, since_tick=1e300),
     "the same moment again": lambda told: replace(told, tick=moment(35)),
-    "restarts": lambda told: replace(told, instance=f"vision {told.picture // 12}"),
     "the key picture's word was lost": lambda told: replace(told, seq=told.seq + told.key),
     "a key picture was lost": lambda told: replace(told, key=2 * told.key),
     "the key picture is not sure": lambda told: (
@@ -190,6 +189,13 @@ LEFT_OUT: dict[str, Change] = {
 @pytest.mark.parametrize("change", LEFT_OUT.values(), ids=LEFT_OUT.keys())
 def test_pictures_that_cannot_be_compared_are_left_out(change: Change) -> None:
     assert not watched(change).trouble
+
+
+def test_the_next_giraff_vision_begins_a_new_window() -> None:
+    """It counts a second after the last word of the one before, and its way from there on."""
+    later = at(lambda n: n > 11, lambda told: replace(told, instance="later"))
+    assert not watched(later, speed=lambda _: 0.12, seconds=2.6).trouble
+    assert watched(later, speed=lambda _: 0.12, seconds=5.0).trouble
 
 
 @pytest.mark.parametrize(
