@@ -126,9 +126,9 @@ class VisualOdometry(Sample, frozen=True, kw_only=True):
     """Motion since the key picture, as the picture has it. Where there is a reason it is no measurement: what was seen
     and is not believed. None: nothing was seen."""
     covariance: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    """Of the motion's (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw; m², m·rad, rad². Zeros: the picture is not sure,
-    whatever the wheels say. It counts what is random. A height of the camera that is wrong by 1 % makes each way wrong
-    by 1 %."""
+    """Covariance of the motion's (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw; m², m·rad, rad². It counts what is
+    random: a height of the camera that is wrong by 1 % makes each way wrong by 1 %. Zeros: the picture is not sure of
+    its motion. It may be sure though the wheels disagree."""
     wheels: Step | None = None
     """Motion since the key picture, by the wheels; None: they were not heard all the time."""
     path: Step

@@ -36,9 +36,9 @@ _COUPLED: Final = 0.9
 """Correlation of track and wheel ratio, as the ends of the runs tell them, from which on one may stand for the other:
 all squares in one direction have 1.0, as many in the other 0.0, three to one 0.5."""
 _UNKNOWN: Final = 1e3
-"""Of a scale. Standard deviation of what nothing tells."""
+"""Standard deviation of a scale that no run tells."""
 _LOST: Final = 1e-12
-"""Share of the largest information below which there is rounding only."""
+"""Share of the largest information. Smaller information is rounding."""
 _SIZE: Final = np.array((0.5, 0.5, 0.0))
 _RATIO: Final = np.array((-1.0, 1.0, 0.0))
 _TURN: Final = np.array((-0.5, -0.5, 1.0))

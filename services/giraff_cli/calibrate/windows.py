@@ -29,8 +29,8 @@ _MOST: Final = 50
 """Of one run: longer ones have longer windows, or the fit takes minutes."""
 
 _OWN: Final = 1e-9
-"""Share of each variance that nothing else has. Where play is large beside what a count tells, windows of one run
-would else determine each other, and rounding would decide whether their covariance is regular."""
+"""Share of each variance that a window has for itself. Without it, where play is large beside what a count tells,
+windows of one run would determine each other, and rounding would decide whether their covariance is regular."""
 
 
 class Window(NamedTuple):

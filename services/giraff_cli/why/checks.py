@@ -113,10 +113,10 @@ def ranger(chain: ChainState) -> Link:
     readings = {heard.sample.sensor: heard for heard in reversed(chain.observation.of(RANGE))}
     if not readings:
         is_alive, state = "ranger" in chain.observation.alive, chain.guard
-        if state is not None and not state.sample.sensors and (is_alive or not state.sample.other_sensors):
-            return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
         if state is None:
             return Link(name="ranger", standing="waits", text="the guard, which knows the sensors, is not heard")
+        if not state.sample.sensors and (is_alive or not state.sample.other_sensors):
+            return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
         if is_alive:
             return chain.silent("ranger", "ranger")
         how = "start it on the machine that the ranger board is plugged into"

@@ -16,15 +16,15 @@ from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.trouble import WELL, Trouble
 
 _WINDOW_NS: Final = 1_000_000_000
-"""Both ways are compared over this time at least."""
+"""Least time over which both ways are compared."""
 _PAUSE_NS: Final = 300_000_000
-"""Without power, after which the window begins anew: what moves the robot then is no motor."""
+"""Time without power, after which the window begins anew: no motor moves the robot then."""
 _OLDEST: Final = 0.5  # s from a picture to its word here; an older word is left out
 _KEPT: Final = 128  # reports of the wheels: more than _OLDEST of them
 _WAY: Final = 0.04
 """m by which the camera may see more, besides its own uncertainty: a key picture's errors and rounded counts."""
 _SHARE: Final = 0.15
-"""Share of the wheels' way, likewise: calibrations, and a camera that was moved a little."""
+"""Share of the wheels' way that the camera may see more: by calibrations, or since it was moved a little."""
 _DELAY: Final = 0.1  # s by which a picture's moment may be wrong: that counts while the speed changes
 _SIGMAS: Final = 3.0
 _IN_A_ROW: Final = 3
@@ -36,7 +36,7 @@ _DOUBTED: Final = Trouble(
 
 
 class _Rolled(NamedTuple):
-    """What the wheels have done, by one report."""
+    """The wheels' way and speed at one moment."""
 
     robot_ns: int
     way: float = 0.0
@@ -104,11 +104,11 @@ class CameraDoubt:
         elif told.key != last.key:
             # The next key picture is the last one that was told: where that one is not sure, a part of the way is lost.
             follows = told.key == last.key + 1 and told.seq == last.seq + 1
-            if not (follows and _is_sure(last)):
-                self._restart()
-            else:
+            if follows and _is_sure(last):
                 self._way += _way(last)
                 self._variance += last.covariance[0]
+            else:
+                self._restart()
         wheels = self._wheels_at(told, now)
         if wheels is not None and _is_sure(told):
             self._judge(_Point(wheels, self._way + _way(told), self._variance, told.covariance[0]))
@@ -119,7 +119,7 @@ class CameraDoubt:
         self._in_a_row = 0
 
     def _wheels_at(self, told: VisualOdometry, now: RobotTime) -> _Rolled | None:
-        """Return what the wheels had done at the picture's moment; None: it is not known, or was too long ago."""
+        """Return the wheels' way and speed at the picture's moment; None: they are not known, or too old."""
         tick = told.tick
         if tick is None or tick.epoch != now.epoch or not 0.0 <= told.since_tick <= _OLDEST:
             return None
@@ -149,7 +149,7 @@ class CameraDoubt:
 
 
 def _is_sure(told: VisualOdometry) -> bool:
-    """Whether the picture is sure of its motion, whatever the wheels say."""
+    """Return whether the picture is sure of its motion. The wheels may say something else."""
     return told.motion is not None and told.covariance[0] > 0.0
 
 
