@@ -78,11 +78,13 @@ def test_a_vpn_that_comes_stops_no_drive(tmp_path: Path) -> None:
     with ProcessSite(tmp_path) as site:
         site.start(LAN, "door", "base", "guard", "ranger")
         site.start(LAN, "joystick", host="laptop")
-        # A busy machine that pauses ends a drive, too, but hardly two of three.
-        goes_on = [_drives_on(site, 77), _drives_on(site, 78)]
-        if goes_on.count(True) == 1:
-            goes_on.append(_drives_on(site, 79))
-        assert goes_on.count(True) == 2, site.log("guard")
+        # A machine that pauses ends a drive, too, but hardly five of six. A door that stops drives ends all of them.
+        gone_on = 0
+        for number in range(77, 83):
+            gone_on += _drives_on(site, number)
+            if gone_on == 2:
+                return
+        raise AssertionError("".join(site.log(service) for service in ("guard", "base", "joystick")))
 
 
 def _drives_on(site: ProcessSite, number: int) -> bool:

@@ -53,15 +53,16 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
         make_authority(folder / authority, now - timedelta(days=100))
         make_bundle(folder / authority, "pc", ("192.0.2.1",), days=30, renew=False, moment=now)
         make_bundle(folder / authority, "old", ("192.0.2.1",), days=30, renew=False, moment=now - timedelta(days=60))
+    # Written once: a process that starts while it is written anew would read half of it.
+    robot = (ROOT / "deploy" / "robot.toml").read_text()
+    (folder / "secured.toml").write_text(f'{robot}\n[network.access]\nrobot = ["pc", "old"]\n')
     return folder
 
 
 def secured(keys: Path, rendezvous: str) -> dict[str, str]:
     """A host of a secured network, which is all on this machine: with sockets of its own, which need no certificate."""
-    access = keys.parent / "secured.toml"
-    access.write_text((ROOT / "deploy" / "robot.toml").read_text() + '\n[network.access]\nrobot = ["pc", "old"]\n')
     given = settings(mode="secured", keys=str(keys), rendezvous=rendezvous, sockets=f"{keys}-sockets")
-    return given | {"GIRAFF_CONFIG": str(access)}
+    return given | {"GIRAFF_CONFIG": str(keys.parent.parent / "secured.toml")}
 
 
 def test_certificates_that_are_not_trusted(keys: Path, tmp_path: Path) -> None:
