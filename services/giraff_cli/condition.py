@@ -1,4 +1,4 @@
-"""Whether measurements determine what is fitted to them, with the same answer on each processor.
+"""Decides whether measurements determine the numbers that are fitted to them: each processor gives the same answer.
 
 The last bits of a sum differ from processor to processor. One of them finds a singular matrix regular, for which
 another one raises an error. A bound on the condition decides instead.

@@ -27,7 +27,7 @@ TABLES: Final = ("sensors", "models", *_TABLES.values())
 """The fields of `RobotConfig` that hold what `[robot.sensors]` of a file says."""
 
 SENSED: Final[dict[str, Topic[Any]]] = {"sensors": RANGE, "bumpers": BUMPER}
-"""What sensors tell the guard, by their table of `RobotConfig`. Guard and replay take them in this order."""
+"""Topic of the sensors of each table in `RobotConfig`. Guard and replay read the topics in this order."""
 
 
 class UltrasonicModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

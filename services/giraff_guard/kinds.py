@@ -16,11 +16,11 @@ from giraff_schemas.messages import Range
 from giraff_schemas.topics import Topic
 
 Sensed = Range | Bump
-"""What sensors say: the samples of `SENSED`."""
+"""A sample of a topic in `SENSED`."""
 
 
 def sensed_by(robot: RobotConfig) -> list[Topic[Any]]:
-    """Where they say it."""
+    """Return the topics of the sensors that the robot has."""
     return [topic for table, topic in SENSED.items() if getattr(robot, table)]
 
 

@@ -61,7 +61,7 @@ _SAYS: Final[dict[str, tuple[type[Sample], type[msgspec.Struct]]]] = {
 """Samples that each replayed service says at its turns, and its configuration."""
 _SENSED: Final[tuple[type[Sample], ...]] = tuple(topic.schema for topic in SENSED.values())
 _TAKEN: Final[tuple[type[Sample], ...]] = (Tick, Attitude, *_SENSED, Wheels, DriveCommand)
-"""What the guard takes in a turn, in its order."""
+"""Samples that the guard reads in a turn, in the order in which it reads them."""
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
 

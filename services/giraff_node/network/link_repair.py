@@ -45,8 +45,8 @@ _OWN_PORTS: Final = {str(port) for port in HAND_PORTS}
 _VISIT: Final = 0.7  # s; telling takes two round trips, dialling one more
 
 
-class Way(NamedTuple):
-    """How a peer is linked."""
+class Endpoint(NamedTuple):
+    """The host of a peer, and where it listens."""
 
     host: str
     locator: str = ""
@@ -54,9 +54,9 @@ class Way(NamedTuple):
 
 
 class _Peer(NamedTuple):
-    way: Way
+    endpoint: Endpoint
     since: float
-    """That it is linked, or missed; s."""
+    """s, monotonic. The moment from which on it is linked, or missed."""
 
 
 class LostPeers:
@@ -71,30 +71,30 @@ class LostPeers:
         self._spent: dict[str, float] = {}
         """Host -> s at which it may have all its visits again."""
 
-    def look(self, now: float, links: Mapping[str, Way]) -> list[str] | None:
+    def look(self, now: float, links: Mapping[str, Endpoint]) -> list[str] | None:
         """Return the locators that a visit dials, or None when none is due. `links`: by id of the peer; `now`: s.
 
         Of this process's own host only who is inside is missed: others come and go, and need nobody.
         """
         for peer in self._linked.keys() - links.keys():
-            way, since = self._linked.pop(peer)
-            if now - since >= _STAYS and (way.host != OWN_HOST or peer.endswith(INSIDE_ID_ENDS)):
+            endpoint, since = self._linked.pop(peer)
+            if now - since >= _STAYS and (endpoint.host != OWN_HOST or peer.endswith(INSIDE_ID_ENDS)):
                 self._next = max(self._next, now + self._delay)
-                self._missed[peer] = _Peer(way, now)
-        for peer, way in links.items():
+                self._missed[peer] = _Peer(endpoint, now)
+        for peer, endpoint in links.items():
             if peer[: -len(INSIDE_ID_ENDS)].endswith(self._mark):
-                self._linked.setdefault(peer, _Peer(way, now))
+                self._linked.setdefault(peer, _Peer(endpoint, now))
                 self._missed.pop(peer, None)
         self._missed = {peer: one for peer, one in self._missed.items() if now - one.since < _GIVES_UP}
         self._spent = {host: until for host, until in self._spent.items() if until > now}
-        hosts = {way.host for way in links.values()} & {one.way.host for one in self._missed.values()}
+        hosts = {endpoint.host for endpoint in links.values()} & {one.endpoint.host for one in self._missed.values()}
         hosts = {host for host in hosts if self._spent.get(host, now) <= now + (_MOST_VISITS - 1) * _NEXT_VISIT}
         if now < self._next or not hosts:
             return None
         self._next = now + _VISITS_EVERY
         self._spent |= {host: self._spent.get(host, now) + _NEXT_VISIT for host in hosts}
-        ways = {one.way for one in (*self._linked.values(), *self._missed.values())}
-        return sorted({way.locator for way in ways if way.host in hosts} - {""})[:_MOST_DIALLED]
+        endpoints = {one.endpoint for one in (*self._linked.values(), *self._missed.values())}
+        return sorted({endpoint.locator for endpoint in endpoints if endpoint.host in hosts} - {""})[:_MOST_DIALLED]
 
 
 class LinkRepair:
@@ -128,7 +128,7 @@ class LinkRepair:
             self._on_impostor(peer)
         if self._visits is None:
             return
-        dials = self._lost_peers.look(now, ways_of(found))
+        dials = self._lost_peers.look(now, endpoints_of(found))
         if dials is not None and (self._under_way is None or not self._under_way.is_alive()):
             whom = (self._network, self._robot, self._visits, dials)
             self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)
@@ -169,10 +169,10 @@ class Link(NamedTuple):
     dst: str
 
 
-def ways_of(links: Iterable[Link]) -> dict[str, Way]:
-    """Return by peer how it is linked, of links that are no sockets: "tcp/10.0.0.5:7447" is at 10.0.0.5."""
+def endpoints_of(links: Iterable[Link]) -> dict[str, Endpoint]:
+    """Return the endpoint of each peer whose link is no socket: "tcp/10.0.0.5:7447" is at 10.0.0.5."""
     found = ((peer, _host(src), _host(dst), "" if _is_own_port(src) else dst) for peer, src, dst in links)
-    return {peer: Way(OWN_HOST if host == own else host, locator) for peer, own, host, locator in found if host}
+    return {peer: Endpoint(OWN_HOST if host == own else host, locator) for peer, own, host, locator in found if host}
 
 
 def _is_own_port(src: str) -> bool:

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from giraff_core.network import NetworkConfig
-from giraff_node.network.link_repair import OWN_HOST, Link, LostPeers, Way, delay_of, impostors, ways_of
+from giraff_node.network.link_repair import OWN_HOST, Endpoint, Link, LostPeers, delay_of, endpoints_of, impostors
 from giraff_node.network.session import INSIDE_ID_ENDS, Role, mark_of, session_config
 
 NAME = "alpha"
-ROBOT, LAPTOP = Way("10.0.0.2", "tcp/10.0.0.2:7447"), Way("10.0.0.3", "tcp/10.0.0.3:7448")
+ROBOT, LAPTOP = Endpoint("10.0.0.2", "tcp/10.0.0.2:7447"), Endpoint("10.0.0.3", "tcp/10.0.0.3:7448")
 DELAY = 0.3
 STEP = 0.1
 
@@ -26,13 +26,13 @@ BOTH = {BASE: ROBOT, GUARD: ROBOT}
 ONE = {BASE: ROBOT}
 
 
-def visits(partings: LostPeers, links: dict[str, Way], since: float, until: float) -> list[float]:
+def visits(partings: LostPeers, links: dict[str, Endpoint], since: float, until: float) -> list[float]:
     """When visits were due."""
     times = [since + STEP * count for count in range(round((until - since) / STEP))]
     return [now for now in times if partings.look(now, links) is not None]
 
 
-def met(links: dict[str, Way]) -> LostPeers:
+def met(links: dict[str, Endpoint]) -> LostPeers:
     """These have been linked for ten seconds."""
     partings = LostPeers(NAME, DELAY)
     assert visits(partings, links, 0.0, 10.0) == []
@@ -50,14 +50,16 @@ def test_who_is_lost_while_its_host_is_there_is_visited(partings: LostPeers) -> 
 
 
 def test_a_visit_dials_where_the_lost_one_and_the_others_of_its_host_listen() -> None:
-    lost, other = Way(LAPTOP.host, "tcp/10.0.0.3:7449"), Way(LAPTOP.host)
+    lost, other = Endpoint(LAPTOP.host, "tcp/10.0.0.3:7449"), Endpoint(LAPTOP.host)
     partings = met(BOTH | {own("page"): lost, own("hand"): LAPTOP, WATCH: other})
     dialled = [partings.look(10.0 + STEP * count, BOTH | {own("hand"): LAPTOP, WATCH: other}) for count in range(5)]
     assert [each for each in dialled if each is not None] == [[LAPTOP.locator, lost.locator]]
 
 
 def test_a_visit_dials_few_of_a_crowd() -> None:
-    partings = met(BOTH | {own(f"{port}"): Way(ROBOT.host, f"tcp/10.0.0.2:{port}") for port in range(20_000, 20_100)})
+    partings = met(
+        BOTH | {own(f"{port}"): Endpoint(ROBOT.host, f"tcp/10.0.0.2:{port}") for port in range(20_000, 20_100)}
+    )
     assert [len(partings.look(10.0 + after, BOTH) or ()) for after in (0.0, DELAY)] == [0, 16]
 
 
@@ -128,14 +130,17 @@ def test_those_inside_do_not_all_visit_at_once() -> None:
     assert delay_of("10cafe" + INSIDE_ID_ENDS) < delay_of("f0cafe" + INSIDE_ID_ENDS)
 
 
-def test_the_ways_of_links() -> None:
+def test_the_endpoints_of_links() -> None:
     """Who has dialled this process says nowhere where it listens."""
-    here = {"own": Way(OWN_HOST), "page": Way(OWN_HOST)}
-    assert ways_of(LINKS) == {"base": Way("10.0.0.2", "tcp/10.0.0.2:7447"), "guard": Way("[fe80::1]")} | here
+    here = {"own": Endpoint(OWN_HOST), "page": Endpoint(OWN_HOST)}
+    assert (
+        endpoints_of(LINKS)
+        == {"base": Endpoint("10.0.0.2", "tcp/10.0.0.2:7447"), "guard": Endpoint("[fe80::1]")} | here
+    )
 
 
 def test_of_its_own_host_who_is_inside_is_missed_and_nobody_else() -> None:
-    page, base, here = own("page"), own("base", ends=INSIDE_ID_ENDS), Way(OWN_HOST)
+    page, base, here = own("page"), own("base", ends=INSIDE_ID_ENDS), Endpoint(OWN_HOST)
     for gone, due in ((page, False), (base, True)):
         links = dict.fromkeys((page, base, "door"), here)
         partings = met(links)
