@@ -45,6 +45,8 @@ class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """Of the base that answers. Its `estop` samples carry it, too: without them an answer proves no stop."""
     remedy: str = ""
     """Tail of `reason`: what to do about it."""
+    board_reached: bool = True
+    """Base hears its board. A board that hears no base stops the wheels by itself."""
 
 
 class OdomReset(msgspec.Struct, frozen=True, kw_only=True):

@@ -141,6 +141,7 @@ class EStopServer:
                     reason=str(why_not),
                     instance=self._instance,
                     remedy=why_not.remedy,
+                    board_reached=self._policy.hears_board,
                 )
             )
         self._waiting.clear()

@@ -61,6 +61,11 @@ class BasePolicy:
         return self._estop.latch
 
     @property
+    def hears_board(self) -> bool:
+        """Whether reports of the board come over the serial link that is open now."""
+        return self._reported_ns is not None
+
+    @property
     def faults(self) -> dict[str, Trouble]:
         """What is wrong, by what has it."""
         return {**self._authority.faults, "rolling": self._drive.notice}

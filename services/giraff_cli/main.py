@@ -18,6 +18,7 @@ GROUPS: Final[Mapping[str, Mapping[str, str]]] = {
     "Drive": {
         **dict.fromkeys(("move", "turn", "arc", "go"), "motion"),
         **{verb: verb for verb in ("run", "drive", "web", "ros2", "estop")},
+        "stop": "estop",
     },
     "Watch": {verb: verb for verb in ("watch", "view", "top", "camera", "localize")},
     "Ask": {verb: verb for verb in ("why", "doctor", "logs", "topic", "node", "param", "graph", "frames", "odom")},

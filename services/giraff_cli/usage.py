@@ -95,6 +95,8 @@ def _path(command: Any, words: list[str]) -> tuple[str, Any, list[str]]:
     path = "giraff"
     for number, word in enumerate(words):
         inner = getattr(command, "commands", {}).get(word)
+        if inner is None and (assumed := getattr(command, "assumed", "")):
+            return f"{path} {assumed}", command.commands[assumed], words[number:]
         if inner is None:
             return path, command, words[number:]
         command = inner

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.program import called_here
-from giraff_core.estop.request import BY_WORD, NO_OFF
+from giraff_core.estop.request import BOARD_NOTE, BY_WORD, not_off
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import DEFAULT_FILE
@@ -98,7 +98,7 @@ def engage(
     other.hear(robot, asking)
     answer = asking.wait(deadline)
     if doubt and (answer or _has_stopped(asking)):
-        return _doubtful(connection, robot, doubt)
+        return _doubtful(connection, asking, robot, doubt)
     if answer is not None:
         other.end(robot)
         from giraff_cli.estop.witness import Witness  # noqa: PLC0415  no stop waits for it
@@ -176,7 +176,7 @@ def _engage_heard(
             if (answer := _poll(asking[robot, at], now)) is not None:
                 stopped.add((robot, at))
                 if doubt:
-                    teller.submit(_tell_doubtful, connection, robot, doubt, tell)
+                    teller.submit(_tell_doubtful, connection, asking[robot, at], robot, doubt, tell)
                 else:
                     other.end(robot)
                     way = asking[robot, at]
@@ -193,7 +193,7 @@ def _engage_heard(
     for robot, at in open_ones:
         result = _unconfirmed(robot, asking[robot, at], timeout, whose=f"{robot}: ")
         if doubt and _has_stopped(asking[robot, at]):
-            result = _doubtful(connection, robot, doubt)
+            result = _doubtful(connection, asking[robot, at], robot, doubt)
         tell(result)
         codes.append(result.code)
     # A page tells of one robot, and at several addresses there may be several of one name.
@@ -253,26 +253,28 @@ def _has_stopped(asking: EStopClient) -> bool:
     return asking.refusal is not None and asking.refusal.engaged
 
 
-def _doubtful(connection: RobotConnection, robot: str, doubt: str) -> Result:
+def _doubtful(connection: RobotConnection, asking: EStopClient, robot: str, doubt: str) -> Result:
     """Tell of a robot that has confirmed, and may be another of that name."""
     host = ""
     with contextlib.suppress(Exception):  # the robot is told of, whatever its lookup meets
         host = host_of(connection.session, robot)
-    return Result(UNKNOWN, printable(f"asked {robot} at {host or 'an unknown host'}; {doubt}"), robot)
+    word = f", {BY_WORD}" if connection.network.is_open else ""
+    told = f"a robot called {robot} at {host or 'an unknown host'} has stopped{word}{asking.note}; {doubt}"
+    return Result(UNKNOWN, printable(told), robot)
 
 
-def _tell_doubtful(connection: RobotConnection, robot: str, doubt: str, tell: Callable[[Result], object]) -> None:
-    tell(_doubtful(connection, robot, doubt))
+def _tell_doubtful(
+    connection: RobotConnection, asking: EStopClient, robot: str, doubt: str, tell: Callable[[Result], object]
+) -> None:
+    tell(_doubtful(connection, asking, robot, doubt))
 
 
-def what_stands(*, is_off: bool, off: bool, by_word: bool = False) -> tuple[int, str]:
+def what_stands(*, is_off: bool, off: bool, by_word: bool = False, note: str = "") -> tuple[int, str]:
     """Return the code and the words of a stop that base has confirmed. `off`: it was asked for.
 
-    `by_word`: a stranger may have confirmed it in base's place.
+    `by_word`: a stranger may have confirmed it in base's place. `note`: of a board that is not reached.
     """
-    code, what = (
-        (ENGAGED, f"STOPPED, not off: {NO_OFF}") if off and not is_off else (RELEASED, "OFF" if is_off else "STOPPED")
-    )
+    code, what = (ENGAGED, not_off(note)) if off and not is_off else (RELEASED, "OFF" if is_off else "STOPPED")
     return code, f"{what}, {BY_WORD}" if by_word else what
 
 
@@ -281,8 +283,8 @@ def _confirmed(witness: Witness, robot: str, answer: EStopAnswer, asking: EStopC
     by_word = connection.network.is_open and not witness.has_heard(robot, answer.instance)
     way = [word for address in connection.network.connect for word in ("--connect", address)]
     release = shlex.join([*called_here(), "estop", "reset", "--robot", robot, *way])
-    code, what = what_stands(is_off=is_off, off=witness.wish.off, by_word=by_word)
-    told = f"{robot}: {what}, latch {answer.id}; it stays so until `{release}`"
+    code, what = what_stands(is_off=is_off, off=witness.wish.off, by_word=by_word, note=asking.note)
+    told = f"{robot}: {what}, latch {answer.id}{asking.note}; it stays so until `{release}`"
     return Result(code, told, robot, answer.engaged, is_off, answer.id)
 
 
@@ -302,7 +304,8 @@ def _unconfirmed(robot: str, asking: EStopClient, timeout: float, whose: str = "
     refusal, several = asking.refusal, asking.unconfirmed
     reason = "" if refusal is None else printable(refusal.reason)
     if refusal is not None and refusal.engaged and not several:
-        told = f"{robot}: STOPPED, latch {refusal.id}, but not for sure after a restart: {reason}"
+        note = "" if refusal.board_reached else BOARD_NOTE
+        told = f"{robot}: STOPPED, latch {refusal.id}{note}, but not for sure after a restart: {reason}"
         return Result(ENGAGED, told, robot, refusal.engaged, None, refusal.id)
     refused = refusal is not None and not refusal.engaged
     known = [several, f"{asking.key} answers that it has not stopped: {reason}" if refused else ""]

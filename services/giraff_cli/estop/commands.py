@@ -1,10 +1,12 @@
-"""The verbs of `giraff estop`. What they do is imported when it is asked for."""
+"""`giraff stop`, and the verbs of `giraff estop`. Each verb imports what it needs when it is typed."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+import sys
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
+from typer.core import TyperGroup
 
 from giraff_cli.options import AsJson, Connect, Robot, finite
 
@@ -15,13 +17,42 @@ if TYPE_CHECKING:
     from giraff_cli.network.connection import RobotConnection
 
 
-estop = typer.Typer(no_args_is_help=True, help="Stop the robot from any machine, and release it again.")
+_STOP: Final = "engage"
+
+
+class StopUnlessTold(TyperGroup):
+    """Verbs of the emergency stop. A person who types none of them is in a hurry, and stops the robot."""
+
+    assumed: Final = _STOP
+    """The verb that stands for a missing one."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the verb in front of names and options. Without a word, a person stops the robot, a program gets help."""
+        if args[0] not in {*self.commands, "-h", "--help"} if args else _is_terminal(ctx):
+            args = [_STOP, *(args[1:] if args[:1] == ["stop"] else args)]
+        return super().parse_args(ctx, args)
+
+
+def _is_terminal(ctx: Any) -> bool:
+    """Return whether a person has typed this. A stop whose output goes to a file is one, too."""
+    streams = (sys.stdin, sys.stdout, sys.stderr)
+    return not ctx.resilient_parsing and any(stream is not None and stream.isatty() for stream in streams)
+
+
+estop = typer.Typer(
+    cls=StopUnlessTold, no_args_is_help=True, help="Stop the robot from any machine, and release it again."
+)
 
 Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, callback=finite, help="How long to try.")]
 
 
-@estop.command()
-def engage(
+def stop(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME", help="The robots that stop; else every robot that is heard.", show_default=False
+        ),
+    ] = None,
     robot: Robot = None,
     connect: Connect = None,
     timeout: Timeout = 5.0,
@@ -37,14 +68,20 @@ def engage(
 ) -> None:
     """Stop the robot now, and keep it stopped, also over restarts. Where none is named: every robot that is heard.
 
+    `giraff stop` and `giraff estop engage` are the same.
+
     Where Zenoh does not answer, the robot's page is asked, too.
 
     Exit code: 0 base confirms it, or on an open network whoever answers as base; 1 stopped, but the disk did not take
     it, or not off; 2 NOT CONFIRMED: use the battery switch.
     """
-    from giraff_cli.estop.engage import engage_by_plan  # noqa: PLC0415
+    from giraff_cli.estop.engage import engage_each  # noqa: PLC0415
 
-    raise typer.Exit(engage_by_plan(robot, connect or (), reason, timeout, page, off=off, as_json=as_json))
+    code = engage_each(names or (), robot, connect or (), reason, timeout, page, off=off, as_json=as_json)
+    raise typer.Exit(code)
+
+
+estop.command(_STOP)(stop)
 
 
 @estop.command()

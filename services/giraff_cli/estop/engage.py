@@ -1,12 +1,15 @@
-"""`giraff estop engage` by its plan: stop first, complain after."""
+"""`giraff stop` by its plan: stop first, complain after."""
 
 from __future__ import annotations
 
+import shlex
 import sys
 import threading
+import time
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from giraff_cli.estop import client
 from giraff_cli.estop.page import PageStop, Place, place_of
@@ -15,14 +18,30 @@ from giraff_cli.network.command import UNUSABLE, UnopenedError, print_error, vis
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.output import discard_stdout
+from giraff_cli.terminal.program import called_here
 from giraff_cli.terminal.text import json_line
 from giraff_core.network import host_and_port
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.query_client import engaging
 from giraff_node.network.reach import address_fault
-from giraff_schemas.text import printable_lines
+from giraff_schemas.text import meant, printable_lines
 
 _LOOK: Final = 0.05  # s
+_HINT_AFTER: Final = 1.0  # s; a robot that is there has mostly confirmed by then
+_VERBS: Final = ("engage", "reset", "status")
+
+
+def engage_each(names: Sequence[str], robot: str | None, *how: Any, **more: Any) -> int:
+    """Stop the robots of these names at once, beside each other; none: as `engage_by_plan`. The worst exit code."""
+    robots = [*dict.fromkeys((*([robot] if robot else []), *names))] or [None]
+
+    def stop(each: str | None) -> int:
+        return engage_by_plan(each, *how, is_word=each in names, **more)
+
+    if len(robots) == 1:
+        return stop(*robots)
+    with ThreadPoolExecutor(len(robots)) as pool:
+        return max(pool.map(stop, robots))
 
 
 def engage_by_plan(
@@ -32,23 +51,34 @@ def engage_by_plan(
     timeout: float,
     page: str = "",
     *,
+    is_word: bool = False,
     off: bool = False,
     as_json: bool = False,
 ) -> int:
     """Stop the robot, or every robot that is heard, wherever it can be reached; the exit code.
 
     `page`: HOST:PORT of its page; empty: the pages that a visit has kept are asked. `as_json`: as of `tell`.
+    `is_word`: the name may be a word that was meant for something else.
     """
     # A robot that is reached another way is stopped, whatever is wrong with the address that was typed.
     faults = {address: fault for address in connect if (fault := address_fault(address))}
     try:
         plan = plan_stop(robot, [address for address in connect if address not in faults])
     except NoRobotError as error:
+        if is_word:
+            print_error(_hint(robot or ""))
         return print_error(f"NOTHING IS STOPPED: {error}")
     stop = _Stop(plan, robot or "", connect, reason, timeout, faults, page, off=off)
     stop.tell = partial(tell, as_json=as_json)
+    if is_word:
+        stop.hint = _hint(robot or "")
     stop.start()
     return stop.end()
+
+
+def _hint(word: str) -> str:
+    all_of_them = shlex.join([*called_here(), "stop"])
+    return f"{word} has not confirmed a stop; {meant(word, _VERBS)}`{all_of_them}` stops every robot that is heard"
 
 
 class _Stop(threading.Thread):
@@ -81,6 +111,8 @@ class _Stop(threading.Thread):
         self._off = off
         self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at, off=off)
         self.tell = partial(tell)
+        self.hint = ""
+        """Told once where the robot has not confirmed after a second: its name may be none. Empty: nothing to tell."""
         self._code = UNUSABLE
         self._error: BaseException | None = None
 
@@ -94,9 +126,12 @@ class _Stop(threading.Thread):
         """Wait until one of the ways has confirmed, or none of them does; say so. The exit code."""
         page = self._page
         stopped_by, told_code = "", client.RELEASED
+        hint_at = time.monotonic() + _HINT_AFTER
         # An old page does not know off: what it tells of it is not the last word.
         while self.is_alive() and not (stopped_by and self._is_one and told_code == client.RELEASED):
             self.join(_LOOK)
+            if time.monotonic() > hint_at and not stopped_by:
+                self._tell_hint()
             if not stopped_by and (stopped_by := page.confirmed):
                 by_word = self._plan.target is None or self._plan.target.network.is_open
                 told_code, what = client.what_stands(is_off=page.is_off, off=self._off, by_word=by_word)
@@ -109,11 +144,18 @@ class _Stop(threading.Thread):
             code = min(code, told_code) if self._is_one else max(code, told_code)
         if (told := page.unconfirmed) and not stopped_by and (code == client.UNKNOWN or self._place):
             code = self.tell(client.Result(client.UNKNOWN, told, page.robot or None))
+        if code == client.UNKNOWN:
+            self._tell_hint()
         if self._page_fault:
             print_error(self._page_fault)
         if self._plan.complaint:
             print_error(self._plan.complaint)
         return code
+
+    def _tell_hint(self) -> None:
+        hint, self.hint = self.hint, ""
+        if hint:
+            print_error(hint)
 
     def _over_zenoh(self) -> int:
         fault = ""
@@ -139,6 +181,7 @@ class _Stop(threading.Thread):
             )
         result = client.engage(connection, by, reason, self._timeout, off=off, doubt=plan.doubt, other=page)
         if result.code != client.UNKNOWN:
+            self.hint = ""
             page.end(connection.robot)
         elif page.stopped():
             return client.what_stands(is_off=page.is_off, off=self._off)[0]

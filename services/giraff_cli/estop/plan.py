@@ -50,7 +50,7 @@ class StopPlan(NamedTuple):
 
 
 def plan_stop(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> StopPlan:
-    """Plan a `giraff estop engage`. Raises NoRobotError where the command line names no possible robot.
+    """Plan a `giraff stop`. Raises NoRobotError where the command line names no possible robot.
 
     A network that looks secured is tried with certificates alone: an open session would ask a stranger's robot.
     """
@@ -66,7 +66,7 @@ def plan_stop(robot: str | None, connect: Sequence[str], environment: Mapping[st
     target = _target(robot, connect, environment, found)
     return StopPlan(
         target,
-        f"{_unusable(robot, environment)} cannot be read, so whether it is yours is not known",
+        f"whether it is yours is not known: {_unusable(robot, environment)} cannot be read",
         f"{fault}; {_way_to_stop(robot, connect, environment, found, is_tried=target is not None)}",
     )
 
@@ -117,7 +117,7 @@ def _way_to_stop(
     unset = sorted((wrong | other) - settings.keys())
     command = ["env", *(word for each in unset for word in ("-u", each)), f"GIRAFF_CONFIG={NO_FILE}"]
     command += [f"{variable}={text}" for variable, text in settings.items()]
-    command += [*called_here(), "estop", "engage", *(["--robot", name] if name else [])]
+    command += [*called_here(), "stop", *([name] if name else [])]
     command += [word for address in connect for word in ("--connect", address)]
     stopped = "NOTHING IS STOPPED FOR SURE" if is_tried else "NOTHING IS STOPPED"
     told = [f"{stopped}: use the battery switch, or without the file: {shlex.join(command)}"]

@@ -10,10 +10,18 @@ from giraff_schemas.messages import EStop, Sample
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import printable
 
-NO_OFF: Final = "this robot's drive has no other off"
+_NO_OFF: Final = "this robot's drive has no other off"
+_UNREACHED: Final = "its board is not reached"
+BOARD_NOTE: Final = f"; {_UNREACHED}: it has stopped by itself"
+"""Stands behind a stop where base hears no board: that board hears no base either, and then stops the wheels."""
 BY_WORD: Final = "by the word of whoever answers as its base on this open network"
 """Stands behind each stop that is confirmed where a stranger can answer and publish in base's name."""
 _MOST_BASES: Final = 16  # whose states are kept; on an open network anybody may tell one
+
+
+def not_off(note: str = "") -> str:
+    """Return the words for a stop that was to be off. `note`: of a board that is not reached."""
+    return f"STOPPED, not off: {_UNREACHED if note else _NO_OFF}"
 
 
 class StopConfirmation:
@@ -43,9 +51,14 @@ class StopConfirmation:
 
     @property
     def is_off(self) -> bool:
-        """Whether each base that has confirmed tells that its stop is off."""
+        """Whether each base that has confirmed tells that its stop is off, and reaches its board."""
         states = [self._stated.get(instance) for instance in self._answers]
-        return bool(states) and all(state is not None and state.off for state in states)
+        return bool(states) and all(state is not None and state.off for state in states) and not self.note
+
+    @property
+    def note(self) -> str:
+        """Return BOARD_NOTE where a base that has stopped does not hear its board; else nothing."""
+        return "" if all(answer.board_reached for answer in [*self._answers.values()]) else BOARD_NOTE
 
     def judge(self, answer: EStopAnswer) -> bool | str:
         """Return whether each base has stopped and will stay so, or why this answer does not tell."""
@@ -142,13 +155,13 @@ class EStopRequest:
             return False
         if self._request.poll(now) is not None:
             self._request = None
-            is_off = self._confirmation.is_off
+            is_off, note = self._confirmation.is_off, self._confirmation.note
             word = f", {BY_WORD}" if self._is_open else ""
             if self._off and not is_off:
-                self.text = self.refused_off = f"STOPPED, not off: {NO_OFF}{word}; {self._how_to_release}"
+                self.text = self.refused_off = f"{not_off(note)}{word}{note}; {self._how_to_release}"
             else:
                 what = "OFF" if is_off else "STOPPED"
-                self.text = f"{what}{word or ': base has confirmed'}; {self._how_to_release}"
+                self.text = f"{what}{word or ': base has confirmed'}{note}; {self._how_to_release}"
             return True
         self._tell(self._request)
         return False

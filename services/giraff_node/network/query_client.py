@@ -91,8 +91,13 @@ class EStopClient(QueryClient[EStopEngage, EStopAnswer]):
 
     @property
     def is_off(self) -> bool:
-        """Whether each base that has confirmed tells that its stop is off."""
+        """Whether each base that has confirmed tells that its stop is off, and reaches its board."""
         return self._confirmation.is_off
+
+    @property
+    def note(self) -> str:
+        """Return what stands behind a stop whose board is not reached; empty: each is."""
+        return self._confirmation.note
 
     @property
     def is_answered(self) -> bool:

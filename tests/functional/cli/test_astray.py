@@ -187,7 +187,9 @@ viewers = ["desk"]
     environment.setenv("GIRAFF_CONFIG", str(file))
     code, out, err = typed(environment, capsys, "estop", "engage", "--timeout", "60")
     assert (code, out, spared.asked) == (2, "", [])
-    assert err.startswith(f"asked {ROBOT} at an unknown host; {file} cannot be read, so whether it is yours")
+    assert err.startswith(
+        f"a robot called {ROBOT} at an unknown host has stopped; whether it is yours is not known: {file} "
+    )
     right.asked.clear()
     code, _, complaint = typed_here(environment, capsys, named_by(err))
     assert (code, complaint) == (0, ""), err

@@ -71,8 +71,8 @@ def test_a_broken_robot_file_stops_no_stop(robot: ProcessRobot) -> None:
     file.unlink()
     asked, remedy = told.stderr.splitlines()
     assert (told.returncode, told.stdout) == (2, "")
-    doubt = "deploy/robot.toml cannot be read, so whether it is yours is not known"
-    assert asked == f"asked sim-test at {socket.gethostname()}; {doubt}"
+    doubt = "whether it is yours is not known: deploy/robot.toml cannot be read"
+    assert asked == f"a robot called sim-test at {socket.gethostname()} has stopped; {doubt}"
     assert remedy.startswith("giraff: deploy/robot.toml: not TOML: ")
     assert "use the battery switch, or without the file: env GIRAFF_CONFIG=/dev/null" in remedy
     robot.run(0.5)

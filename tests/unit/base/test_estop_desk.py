@@ -120,9 +120,19 @@ def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_o
     office.disk.hangs = False
     office.go_on()
     assert (asked.only.done, asked.only.engaged, asked.only.id) == (True, True, office.rig.base.latch.id)
-    assert asked.only.instance == "base-1"
+    assert (asked.only.instance, asked.only.board_reached) == ("base-1", True)
     assert office.disk.content == office.rig.base.latch
     assert office.desk.fault == WELL
+
+
+def test_base_tells_who_stops_it_that_its_board_is_not_reached() -> None:
+    office = Office()
+    office.rig.base.on_link_lost(Trouble("no such port"))
+    asked = office.engage()
+    office.desk.turn(office.rig.now)
+    office.disk.work()
+    office.desk.turn(office.rig.now)
+    assert (asked.only.done, asked.only.board_reached) == (True, False)
 
 
 def test_the_same_stop_again_while_its_release_is_being_written_waits_for_what_becomes_of_that() -> None:

@@ -8,7 +8,6 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("version",), "giraff: no command 'version': did you mean --version? (see giraff --help)"),
     (("xyzzy",), "giraff: no command 'xyzzy' (see giraff --help)"),
     (("--verison",), "giraff: no option --verison: did you mean --version? (see giraff --help)"),
-    (("estop", "engae"), "giraff estop: no command 'engae': did you mean engage? (see giraff estop --help)"),
     (("why", "--robt", "x"), "giraff why: no option --robt: did you mean --robot? (see giraff why --help)"),
     (("param", "set", "--jsn"), "giraff param set: no option --jsn: did you mean --json? (see giraff param set"),
     (

@@ -21,6 +21,7 @@ Typed = Callable[..., tuple[int, str, str]]
 DRIVE = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
 SERVICES = ("base", "guard", "joystick", "odometry", "ranger")
 
+STOPS = ("stop", "estop engage")
 ASKING: dict[str, Words] = {
     "why": (),
     "watch": ("--for", "3"),
@@ -30,6 +31,7 @@ ASKING: dict[str, Words] = {
     "localize": (),
     "estop status": (),
     "estop reset": (),
+    "stop": (),
     "estop engage": (),
     "topic list": (),
     "topic info": ("odom",),
@@ -174,7 +176,7 @@ def test_with_no_robot_it_says_so(path: str, say: Typed, monkeypatch: pytest.Mon
     assert not (tmp_path / "new").exists()
 
 
-@pytest.mark.parametrize("path", [path for path in ASKING if path != "estop engage"])
+@pytest.mark.parametrize("path", [path for path in ASKING if path not in STOPS])
 def test_with_two_robots_it_lists_them(path: str, say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
     """And leaves out names that no robot can have, which a stranger may declare."""
     monkeypatch.setattr(tokens, "_told", set())
@@ -192,7 +194,7 @@ def test_with_two_robots_it_lists_them(path: str, say: Typed, monkeypatch: pytes
     assert (code, out) == (2, "")
 
 
-@pytest.mark.parametrize("path", [path for path in ASKING if path != "estop engage"])
+@pytest.mark.parametrize("path", [path for path in ASKING if path not in STOPS])
 def test_a_robot_that_is_not_there_is_named_with_those_that_are(
     path: str, say: Typed, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

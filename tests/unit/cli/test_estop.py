@@ -18,7 +18,7 @@ import giraff_cli.estop.client as it
 import giraff_node.network.query_client
 from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
-from giraff_core.estop.request import NO_OFF
+from giraff_core.estop.request import BOARD_NOTE, not_off
 from giraff_core.network import NetworkConfig
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import EStop, RobotTime, Tick
@@ -231,18 +231,18 @@ def test_a_name_and_a_reason_stop_no_stop_and_steer_no_terminal(network: Network
     assert refused.text.isprintable()
 
 
-def test_a_robot_that_may_be_another_is_asked_and_never_called_stopped(network: Network) -> None:
-    doubt = "robot.toml cannot be read, so whether it is yours is not known"
+def test_a_robot_that_may_be_another_is_asked_and_never_called_the_right_one(network: Network) -> None:
+    doubt = "whether it is yours is not known: robot.toml cannot be read"
     told: list[it.Result] = []
     with network.base(), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told.append(engage(network.connection, "me", "", 10.0, doubt=doubt))
         assert it.engage_all(network.connection, WISH, 10.0, (), told.append, doubt=doubt) == 2
-    assert [each[:2] for each in told] == [(2, f"asked {ROBOT} at an unknown host; {doubt}")] * 2
+    assert [each[:2] for each in told] == [(2, f"a robot called {ROBOT} at an unknown host has stopped; {doubt}")] * 2
     full = msgspec.structs.replace(DONE, done=False, reason="disk full")
     with network.base(lambda _: full), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told = [engage(network.connection, "me", "", 1.0, doubt=doubt)]
         assert it.engage_all(network.connection, WISH, 1.0, (), told.append, doubt=doubt) == 2
-    assert [each[:2] for each in told] == [(2, f"asked {ROBOT} at an unknown host; {doubt}")] * 2
+    assert [each[:2] for each in told] == [(2, f"a robot called {ROBOT} at an unknown host has stopped; {doubt}")] * 2
     nobody = engage(network.connection, "me", "", 1.0, doubt=doubt)
     assert nobody.text.startswith("NOT CONFIRMED after 1 s: nobody answered")
 
@@ -253,7 +253,9 @@ def at_once(_: object, act: Callable[..., Any], *words: Any) -> SimpleNamespace:
     return SimpleNamespace(result=lambda: result)
 
 
-@pytest.mark.parametrize(("doubt", "says"), [("", "STOPPED"), ("whose is it", "asked sim-estop at an unknown host")])
+@pytest.mark.parametrize(
+    ("doubt", "says"), [("", "STOPPED"), ("whose is it", "a robot called sim-estop at an unknown host has stopped")]
+)
 def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
     network: Network, monkeypatch: pytest.MonkeyPatch, doubt: str, says: str
 ) -> None:
@@ -283,18 +285,20 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
     assert told[1].text.startswith("anna: NOT CONFIRMED after 2 s: giraff/anna/estop/engage: no such key")
 
 
-@pytest.mark.parametrize(("is_off", "what"), [(True, "OFF"), (False, f"STOPPED, not off: {NO_OFF}")])
-def test_off_is_told_where_base_tells_it(network: Network, is_off: bool, what: str) -> None:
+@pytest.mark.parametrize("note", ["", BOARD_NOTE])
+@pytest.mark.parametrize("tells", [True, False])
+def test_off_is_told_where_base_tells_it_and_reaches_its_board(network: Network, tells: bool, note: str) -> None:
     told: list[it.Result] = []
-    state = msgspec.structs.replace(LATCHED, off=is_off)
-    with network.base(state=state) as asked, network.session.declare_token(alive_key(ROBOT, "base", "b")):
+    answer, is_off = msgspec.structs.replace(DONE, board_reached=not note), tells and not note
+    alive = network.session.declare_token(alive_key(ROBOT, "base", "b"))
+    with network.base(lambda _: answer, msgspec.structs.replace(LATCHED, off=tells)) as asked, alive:
         told.append(engage(network.connection, "me", "a cat", 10.0, off=True))
         it.engage_all(network.connection, msgspec.structs.replace(WISH, off=True), 2.0, (), told.append)
-        assert status(network.connection, 1.0).text.startswith(f"{ROBOT}: {'OFF' if is_off else 'ENGAGED'}, latch 7")
+        assert status(network.connection, 1.0).text.startswith(f"{ROBOT}: {'OFF' if tells else 'ENGAGED'}, latch 7")
     assert all(request.off for request, _ in asked)
-    assert [result[2:] for result in told] == [(ROBOT, True, is_off, 7, None, None)] * 2
-    assert [result.code for result in told] == [0 if is_off else 1] * 2
-    assert told[0].text.startswith(f"{ROBOT}: {what}, latch 7; it stays so until")
+    assert [each[:1] + each[2:] for each in told] == [(0 if is_off else 1, ROBOT, True, is_off, 7, None, None)] * 2
+    what = "OFF" if is_off else not_off(note)
+    assert told[0].text.startswith(f"{ROBOT}: {what}, latch 7{note}; it stays so until")
 
 
 @pytest.mark.parametrize("name", [ROBOT, ""])

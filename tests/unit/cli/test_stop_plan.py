@@ -37,7 +37,7 @@ def path(tmp_path: Path) -> Path:
 def aim(path: Path, robot: str | None = "anne", **variables: str) -> tuple[str, NetworkConfig] | None:
     """Whom the plan asks, and where, in doubt; None: nobody."""
     target, doubt, complaint = plan_stop(robot, (), {"GIRAFF_CONFIG": str(path), **variables})
-    assert doubt == f"{path} cannot be read, so whether it is yours is not known"
+    assert doubt == f"whether it is yours is not known: {path} cannot be read"
     assert "use the battery switch, or without the file: env GIRAFF_CONFIG=/dev/null " in complaint
     assert ("NOTHING IS STOPPED FOR SURE" in complaint) == (target is not None)
     return None if target is None else (target.robot, target.network)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import msgspec
 import pytest
 
 from giraff_core.estop.request import EStopRequest
@@ -49,16 +50,14 @@ def test_nothing_is_asked_before_the_space_bar() -> None:
 
 
 @pytest.mark.parametrize(
-    ("is_open", "says"),
+    ("is_open", "reached", "says"),
     [
-        (False, "STOPPED: base has confirmed; press r to release it"),
-        (
-            True,
-            "STOPPED, by the word of whoever answers as its base on this open network; press r to release it",
-        ),
+        (False, True, "STOPPED: base has confirmed"),
+        (True, True, "STOPPED, by the word of whoever answers as its base on this open network"),
+        (False, False, "STOPPED: base has confirmed; its board is not reached: it has stopped by itself"),
     ],
 )
-def test_it_asks_until_base_confirms(is_open: bool, says: str) -> None:
+def test_it_asks_until_base_confirms(is_open: bool, reached: bool, says: str) -> None:
     line = Line()
     stopping = EStopRequest(line.ask, "press r to release it", is_open=is_open)
     stopping.engage()
@@ -69,13 +68,13 @@ def test_it_asks_until_base_confirms(is_open: bool, says: str) -> None:
         assert stopping.asked
     assert "NOT CONFIRMED after 50 requests: estop/engage: nobody there" in stopping.text
     assert "battery switch" in stopping.text
-    line.answer = STOPPED
+    line.answer = msgspec.structs.replace(STOPPED, board_reached=reached)
     assert not stopping.poll(2.0)
     assert "NOT CONFIRMED after 51 requests: an answer says that latch 4 is engaged, but no estop" in stopping.text
     stopping.on_sample(STATED)
     assert stopping.poll(2.0)
     assert not stopping.asked
-    assert stopping.text == says
+    assert stopping.text == f"{says}; press r to release it"
     assert not stopping.poll(2.1)
 
 
