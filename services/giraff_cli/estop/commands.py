@@ -47,7 +47,7 @@ Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, callback=fin
 
 
 def stop(
-    names: Annotated[
+    robots: Annotated[
         list[str] | None,
         typer.Argument(
             metavar="NAME", help="The robots that stop; else every robot that is heard.", show_default=False
@@ -77,7 +77,7 @@ def stop(
     """
     from giraff_cli.estop.engage import engage_each  # noqa: PLC0415
 
-    code = engage_each(names or (), robot, connect or (), reason, timeout, page, off=off, as_json=as_json)
+    code = engage_each(robots or (), robot, connect or (), reason, timeout, page, off=off, as_json=as_json)
     raise typer.Exit(code)
 
 

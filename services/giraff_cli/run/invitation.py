@@ -10,7 +10,7 @@ from pathlib import Path
 from giraff_cli.network.interfaces import Interface
 from giraff_core.network import NetworkConfig
 
-_VERBS = (("drive",), ("estop", "engage"), ("why",), ("watch",))
+_VERBS = (("drive",), ("stop",), ("why",), ("watch",))
 _LOOK = ("camera", "view")
 
 
@@ -37,7 +37,7 @@ class Invitation:
     @property
     def hints(self) -> list[str]:
         """What must be at hand at any moment."""
-        return [f"drive it: {self.command('drive')}", f"stop it:  {self.command('estop', 'engage')}"]
+        return [f"drive it: {self.command('drive')}", f"stop it:  {self.command('stop')}"]
 
     @property
     def look(self) -> str:

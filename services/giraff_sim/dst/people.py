@@ -179,7 +179,7 @@ class Caretaker:
 
 
 class Button:
-    """`giraff estop engage` and `giraff estop reset`: each asks again until base has answered."""
+    """`giraff stop` and `giraff estop reset`: each asks again until base has answered."""
 
     link = None
 

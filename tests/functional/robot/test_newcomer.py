@@ -138,7 +138,7 @@ def drive(newcomer: Newcomer, shown: Screen, metres: float) -> None:
 
 def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer: Newcomer) -> None:
     printed = newcomer.printed
-    assert list(printed) == ["drive", "estop", "why", "watch"]
+    assert list(printed) == ["drive", "stop", "why", "watch"]
 
     with newcomer.opens(printed["drive"]) as shown:
         shown.wait_for("not yours: demo drives", PATIENCE)
@@ -153,7 +153,7 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
         assert shown.is_restored()
     assert "the demonstration waits for 30 s of quiet" in newcomer.said
 
-    code, told = newcomer.pastes(printed["estop"])
+    code, told = newcomer.pastes(printed["stop"])
     assert code == 0, told
     # On a busy machine base may not prove in time that it is of this host.
     assert re.search(rf": STOPPED(, {BY_WORD})?, latch ", told)
@@ -165,7 +165,7 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
 
     [listed] = _README.findall((ROOT / "README.md").read_text())
     lines = [line.partition("#")[0].strip() for line in listed.splitlines()]
-    assert lines[0] == "giraff estop engage"
+    assert lines[0] == "giraff stop"
     for line in lines:
         code, told = newcomer.pastes(line)
         assert code == 0, f"{line}: {told}"

@@ -33,7 +33,6 @@ LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason="smoke")
 RELEASED = EStop(engaged=False, id=7, by="ann@desk", reason="")
 WISH = EStopEngage(by="me", reason="a cat")
 ANSWERS_AFTER = 0.02  # s
-
 SERVICES = (("base", "b"), ("guard", "no-base"))
 """A base, and a service that is none."""
 
@@ -233,9 +232,8 @@ def test_a_name_and_a_reason_stop_no_stop_and_steer_no_terminal(network: Network
 
 def test_a_robot_that_may_be_another_is_asked_and_never_called_the_right_one(network: Network) -> None:
     doubt = "whether it is yours is not known: robot.toml cannot be read"
-    told: list[it.Result] = []
     with network.base(), network.session.declare_token(alive_key(ROBOT, "base", "b")):
-        told.append(engage(network.connection, "me", "", 10.0, doubt=doubt))
+        told = [engage(network.connection, "me", "", 10.0, doubt=doubt)]
         assert it.engage_all(network.connection, WISH, 10.0, (), told.append, doubt=doubt) == 2
     assert [each[:2] for each in told] == [(2, f"a robot called {ROBOT} at an unknown host has stopped; {doubt}")] * 2
     full = msgspec.structs.replace(DONE, done=False, reason="disk full")
@@ -288,17 +286,15 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
 @pytest.mark.parametrize("note", ["", BOARD_NOTE])
 @pytest.mark.parametrize("tells", [True, False])
 def test_off_is_told_where_base_tells_it_and_reaches_its_board(network: Network, tells: bool, note: str) -> None:
-    told: list[it.Result] = []
     answer, is_off = msgspec.structs.replace(DONE, board_reached=not note), tells and not note
     alive = network.session.declare_token(alive_key(ROBOT, "base", "b"))
     with network.base(lambda _: answer, msgspec.structs.replace(LATCHED, off=tells)) as asked, alive:
-        told.append(engage(network.connection, "me", "a cat", 10.0, off=True))
+        told = [engage(network.connection, "me", "a cat", 10.0, off=True)]
         it.engage_all(network.connection, msgspec.structs.replace(WISH, off=True), 2.0, (), told.append)
         assert status(network.connection, 1.0).text.startswith(f"{ROBOT}: {'OFF' if tells else 'ENGAGED'}, latch 7")
     assert all(request.off for request, _ in asked)
     assert [each[:1] + each[2:] for each in told] == [(0 if is_off else 1, ROBOT, True, is_off, 7, None, None)] * 2
-    what = "OFF" if is_off else not_off(note)
-    assert told[0].text.startswith(f"{ROBOT}: {what}, latch 7{note}; it stays so until")
+    assert told[0].text.startswith(f"{ROBOT}: {'OFF' if is_off else not_off(note)}, latch 7{note}; it stays so until")
 
 
 @pytest.mark.parametrize("name", [ROBOT, ""])

@@ -201,6 +201,7 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
 ) -> None:
     """A page stays until the robot is there, a calibration goes into its file, and doctor judges the robot itself."""
     strict = {
+        "stop",
         "estop engage",
         "estop reset",
         "estop status",

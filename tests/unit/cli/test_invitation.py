@@ -54,7 +54,7 @@ def test_robot_address_and_file_are_named_where_they_are_needed(invitation: Invi
 
 def test_it_says_how_to_drive_stop_ask_and_watch() -> None:
     lines = invited(NetworkConfig(rendezvous=AT), WIRED).lines()
-    assert lines == ["giraff drive", "giraff estop engage", "giraff why", "giraff watch"]
+    assert lines == ["giraff drive", "giraff stop", "giraff why", "giraff watch"]
 
 
 @pytest.fixture

@@ -59,9 +59,9 @@ FILES: Final = {
 NO_ROBOT: Final = re.compile(r"no robot (called \w+ )?is heard")
 ENDS: Final = {
     "calibrate odometry": "the robot went 3.16 m and its wheels 16.01 m",  # these runs are of another robot
-    "estop engage": "nobody answered giraff/giraff/estop/engage|put this host's bundle of `giraff keys host` there",
     "keys list": "desk: expires soon",
     "record": "ended by the repair of cut-off.mcap",
+    "stop": "nobody answered giraff/(giraff|robie)/estop/engage|put this host's bundle of `giraff keys host` there",
     "view": "no screen here|a recording is drawn to its end",
     "web": "no page service of this user runs on this host",
 }
