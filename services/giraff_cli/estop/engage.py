@@ -70,7 +70,7 @@ def engage_by_plan(
         return print_error(f"NOTHING IS STOPPED: {error}")
     stop = _Stop(plan, robot or "", connect, reason, timeout, faults, page, off=off)
     stop.tell = partial(tell, as_json=as_json)
-    if is_word:
+    if is_word and not plan.doubt:
         stop.hint = _hint(robot or "")
     stop.start()
     return stop.end()

@@ -117,7 +117,7 @@ def _way_to_stop(
     unset = sorted((wrong | other) - settings.keys())
     command = ["env", *(word for each in unset for word in ("-u", each)), f"GIRAFF_CONFIG={NO_FILE}"]
     command += [f"{variable}={text}" for variable, text in settings.items()]
-    command += [*called_here(), "stop", *([name] if name else [])]
+    command += [*called_here(), "stop", *(["--robot", name] if name else [])]
     command += [word for address in connect for word in ("--connect", address)]
     stopped = "NOTHING IS STOPPED FOR SURE" if is_tried else "NOTHING IS STOPPED"
     told = [f"{stopped}: use the battery switch, or without the file: {shlex.join(command)}"]

@@ -11,8 +11,7 @@ from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import printable
 
 _NO_OFF: Final = "this robot's drive has no other off"
-_UNREACHED: Final = "its board is not reached"
-BOARD_NOTE: Final = f"; {_UNREACHED}: it has stopped by itself"
+BOARD_NOTE: Final = "; its board is not reached: it has stopped by itself"
 """Stands behind a stop where base hears no board: that board hears no base either, and then stops the wheels."""
 BY_WORD: Final = "by the word of whoever answers as its base on this open network"
 """Stands behind each stop that is confirmed where a stranger can answer and publish in base's name."""
@@ -20,8 +19,8 @@ _MOST_BASES: Final = 16  # whose states are kept; on an open network anybody may
 
 
 def not_off(note: str = "") -> str:
-    """Return the words for a stop that was to be off. `note`: of a board that is not reached."""
-    return f"STOPPED, not off: {_UNREACHED if note else _NO_OFF}"
+    """Return the words for a stop that was to be off. `note`: says why it is not, and stands behind them."""
+    return "STOPPED, not off" if note else f"STOPPED, not off: {_NO_OFF}"
 
 
 class StopConfirmation:

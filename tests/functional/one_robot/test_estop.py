@@ -1,4 +1,4 @@
-"""`giraff estop` from any machine, against the whole robot."""
+"""`giraff stop` and `giraff estop` from any machine, against the whole robot."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import socket
 import threading
 from contextlib import ExitStack
 
+from giraff_core.estop.request import BY_WORD
 from tests.support.elsewhere import giraff
 from tests.support.process_robot import FULL_TILT, PATIENCE, ProcessRobot
 
 
 def test_it_stops_stays_stopped_and_is_reset_for_a_level_hand_only(robot: ProcessRobot) -> None:
     robot.drive_forward()
-    told = giraff(robot, "estop", "engage", "--reason", "a cat")
+    told = giraff(robot, "estop", "sim-test", "--reason", "a cat", name=None)
     stopped_us = robot.simulator.now() + 350_000  # the board's own time-out is 0.3 s
     assert (told.returncode, told.stderr) == (0, "")
     assert told.stdout.startswith("sim-test: STOPPED, latch ")
@@ -42,7 +43,7 @@ def test_it_survives_a_restart_and_is_engaged_without_a_name(robot: ProcessRobot
     with ExitStack() as declared:
         for token in ODD:
             declared.enter_context(robot.observer.session.liveliness().declare_token(token))
-        told = giraff(robot, "estop", "engage", "--timeout", "60", name=None)
+        told = giraff(robot, "stop", "--timeout", "60", name=None)
     assert told.returncode == 0, told
     assert sorted(line.partition("left out: ")[2] for line in told.stderr.splitlines()) == sorted(map(ascii, ODD))
     robot.kill("base")
@@ -66,13 +67,13 @@ def test_a_broken_robot_file_stops_no_stop(robot: ProcessRobot) -> None:
     file = robot.directory / "nowhere" / "deploy" / "robot.toml"
     file.parent.mkdir(parents=True)
     file.write_bytes(b'# K\xfcche\n[robot]\nname = "other\n')
-    told = giraff(robot, "estop", "engage")
+    told = giraff(robot, "stop")
     stopped_us = robot.simulator.now() + 350_000
     file.unlink()
     asked, remedy = told.stderr.splitlines()
     assert (told.returncode, told.stdout) == (2, "")
     doubt = "whether it is yours is not known: deploy/robot.toml cannot be read"
-    assert asked == f"a robot called sim-test at {socket.gethostname()} has stopped; {doubt}"
+    assert asked == f"a robot called sim-test at {socket.gethostname()} has stopped, {BY_WORD}; {doubt}"
     assert remedy.startswith("giraff: deploy/robot.toml: not TOML: ")
     assert "use the battery switch, or without the file: env GIRAFF_CONFIG=/dev/null" in remedy
     robot.run(0.5)
