@@ -33,15 +33,15 @@ _VERBS: Final = ("engage", "reset", "status")
 
 def engage_each(names: Sequence[str], robot: str | None, *how: Any, **more: Any) -> int:
     """Stop the robots of these names at once, beside each other; none: as `engage_by_plan`. The worst exit code."""
-    robots = [*dict.fromkeys((*([robot] if robot else []), *names))] or [None]
+    named = dict.fromkeys([*([robot] if robot else []), *names])
 
     def stop(each: str | None) -> int:
         return engage_by_plan(each, *how, is_word=each in names, **more)
 
-    if len(robots) == 1:
-        return stop(*robots)
-    with ThreadPoolExecutor(len(robots)) as pool:
-        return max(pool.map(stop, robots))
+    if len(named) <= 1:
+        return stop(next(iter(named), None))
+    with ThreadPoolExecutor(len(named)) as pool:
+        return max(pool.map(stop, named))
 
 
 def engage_by_plan(
