@@ -12,6 +12,7 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
+from giraff_schemas.trouble import WELL, Trouble
 
 LocalizationState = Literal["no_map", "lost", "ambiguous", "told", "localized"]
 """`localized`: all that is known agrees on one place; `told`: somebody has given the place, and the sensors neither
@@ -100,6 +101,47 @@ class Particles(Sample, frozen=True, kw_only=True):
         require_finite(self, *self.x, *self.y, *self.yaw)
 
 
+class FreeCells(msgspec.Struct, frozen=True, kw_only=True):
+    """Cells over a floor plan. Each tells whether the robot's middle can be there."""
+
+    left: float
+    """m, in `map`; x of the first cell's corner."""
+    bottom: float
+    """m; y of that corner."""
+    side: float
+    """m; of each cell."""
+    columns: int
+    """Cells along x."""
+    rows: int
+    """Cells along y."""
+    bits: bytes
+    """One bit for each cell: column after column, each upwards; the highest bit of a byte is first. 1: room."""
+
+    def __post_init__(self) -> None:
+        require_finite(self, self.left, self.bottom, self.side)
+        if self.side <= 0.0 or min(self.columns, self.rows) < 0 or len(self.bits) != -(-self.columns * self.rows // 8):
+            raise ValueError(f"{len(self.bits)} bytes for {self.columns} by {self.rows} cells of {self.side} m")
+
+    def holds(self, x: float, y: float) -> bool:
+        """Return whether the robot's middle can be at a place of `map`, m."""
+        column, row = (x - self.left) / self.side, (y - self.bottom) / self.side
+        if not (0.0 <= column < self.columns and 0.0 <= row < self.rows):
+            return False
+        byte, bit = divmod(int(column) * self.rows + int(row), 8)
+        return bool(self.bits[byte] & 0x80 >> bit)
+
+    def fault(self, x: float, y: float) -> Trouble:
+        """Return why the robot cannot stand at a place of `map`, m."""
+        if self.holds(x, y):
+            return WELL
+        right, top = self.left + self.columns * self.side, self.bottom + self.rows * self.side
+        return Trouble(
+            f"({x:g}, {y:g}) is in a wall, too near one, or off the map, which goes from ({self.left:.1f}, "
+            f"{self.bottom:.1f}) to ({right:.1f}, {top:.1f}) m",
+            "give a place where the robot can stand",
+        )
+
+
 class MapWalls(Sample, frozen=True, kw_only=True):
     """The floor plan that the robot is looked for on."""
 
@@ -107,6 +149,8 @@ class MapWalls(Sample, frozen=True, kw_only=True):
     """Its name."""
     walls: tuple[tuple[float, float, float, float], ...]
     """m; from x, y to x, y, in `map`."""
+    free: FreeCells | None = None
+    """Where the robot can stand, by its own size; None: there is no map."""
 
     def __post_init__(self) -> None:
         for wall in self.walls:

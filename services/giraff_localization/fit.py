@@ -51,7 +51,7 @@ def compare(floor: Floor, pose: Pose, beams: Sequence[Beam]) -> Counts:
     is_echo, is_expected = heard != CLEAR, expected < CLEAR
     close = np.abs(heard - expected) * floor.table.bin < _CLOSE
     right = np.where(is_expected, is_echo & close, ~is_echo & (expected == CLEAR))
-    if not floor.space.is_at(pose.x, pose.y):
+    if not floor.space.free.holds(pose.x, pose.y):
         return Counts(0.0, 0.0, float(share.sum()))
     counted = np.where(expected == SLANTED, 0.0, share)
     nearer = is_expected & is_echo & (heard < expected) & ~right

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from giraff_maps.floor_plan import FloorPlan, Wall
+from giraff_schemas.localization import FreeCells
 
 Floats = npt.NDArray[np.float32]
 
@@ -38,26 +39,21 @@ class FreeSpace:
         # A plan with a gap in its outer wall encloses next to nothing: then all of it counts.
         self.is_free = inside if 2 * inside.sum() > within.sum() else within
         self._cells = np.argwhere(self.is_free)
+        plan_only = self.is_free[_RIM:-_RIM, _RIM:-_RIM]
+        self.free = FreeCells(
+            left=bounds.left,
+            bottom=bounds.bottom,
+            side=CELL,
+            columns=plan_only.shape[0],
+            rows=plan_only.shape[1],
+            bits=np.packbits(plan_only).tobytes(),
+        )
+        """The same without the rim, for others."""
 
     @property
     def area(self) -> float:
         """m² of where the robot's middle can be."""
         return len(self._cells) * CELL * CELL
-
-    @property
-    def right(self) -> float:
-        """m, of the last cells' edge."""
-        return self.left + self.columns * CELL
-
-    @property
-    def top(self) -> float:
-        return self.bottom + self.rows * CELL
-
-    def is_at(self, x: float, y: float) -> bool:
-        """Whether the robot's middle can be at this one place."""
-        if not (self.left <= x < self.right and self.bottom <= y < self.top):
-            return False
-        return bool(self.is_free[int((x - self.left) / CELL), int((y - self.bottom) / CELL)])
 
     def holds(self, x: Floats, y: Floats) -> npt.NDArray[np.bool_]:
         """Whether the robot's middle can be there."""

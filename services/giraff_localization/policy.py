@@ -164,7 +164,7 @@ class LocalizationPolicy:
         """The map."""
         if self._floor is None:
             return MapWalls(map="", walls=())
-        return MapWalls(map=self._floor.plan.name, walls=self._floor.plan.walls)
+        return MapWalls(map=self._floor.plan.name, walls=self._floor.plan.walls, free=self._floor.space.free)
 
     def transform(self) -> Transform | None:
         """Where `odom` is in `map`; None: that is not known. Safe to ask from any thread."""
@@ -269,11 +269,4 @@ def _refusal(told: Told, floor: Floor) -> Trouble:
             bounds.require(name, getattr(told, name))
     except ValueError as error:
         return Trouble(str(error))
-    if not floor.space.is_at(told.pose.x, told.pose.y):
-        space = floor.space
-        return Trouble(
-            f"({told.pose.x:g}, {told.pose.y:g}) is in a wall or off the map, which goes from ({space.left:.1f}, "
-            f"{space.bottom:.1f}) to ({space.right:.1f}, {space.top:.1f}) m",
-            "give a place where the robot can stand",
-        )
-    return WELL
+    return floor.space.free.fault(told.pose.x, told.pose.y)

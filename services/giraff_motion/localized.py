@@ -8,12 +8,12 @@ words, is no correction: it has taken the robot to be elsewhere, and what it say
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple, TypeGuard
 
 from giraff_core.kinematics.origin import Origin
 from giraff_core.kinematics.pose import Pose
-from giraff_schemas.localization import MapPose
+from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.motion import GoTo, Step
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
@@ -45,6 +45,7 @@ class Localized:
     def __init__(self) -> None:
         self._pose: MapPose | None = None
         self._heard = -math.inf
+        self._map: MapWalls | None = None
         self._origin = Origin()
         self._disputed = -math.inf
         """When two processes last spoke beside each other."""
@@ -54,6 +55,10 @@ class Localized:
         if self._pose is not None and pose.instance != self._pose.instance and now - self._heard <= _HEARD:
             self._disputed = now
         self._pose, self._heard = pose, now
+
+    def hear_map(self, plan: MapWalls) -> None:
+        """Take the floor plan."""
+        self._map = plan
 
     def hear_odometry(self, odometry: Odometry) -> None:
         """Take since when `odom` is where it is: what was said of it before places nothing."""
@@ -83,6 +88,13 @@ class Localized:
         if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._origin.holds(pose.tick):
             return _OLD
         return WELL
+
+    def goal_fault(self, steps: Sequence[Step]) -> Trouble:
+        """Return why the robot cannot stand at a goal in `map`. Goals are not judged without the plan of the pose."""
+        plan, pose = self._map, self._pose
+        if plan is None or plan.free is None or pose is None or plan.instance != pose.instance:
+            return WELL
+        return next(filter(None, (plan.free.fault(step.x, step.y) for step in steps if is_in_map(step))), WELL)
 
     def placed(self, step: GoTo) -> Placed:
         """A step in `map`. Raises ValueError where nothing was heard of it."""

@@ -17,7 +17,7 @@ from giraff_motion.driver import STANDS
 from giraff_motion.goal import Goal
 from giraff_motion.localized import Localized, is_in_map
 from giraff_motion.pilot import Pilot
-from giraff_schemas.localization import MapPose
+from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import BaseState, EStop, GuardState, Lease, Odometry, RobotTime
 from giraff_schemas.motion import (
     IDLE,
@@ -114,6 +114,10 @@ class MotionPolicy(Hand):
         """Take where the robot is on the map."""
         self._localized.hear(pose, now)
 
+    def on_map(self, plan: MapWalls) -> None:
+        """Take the floor plan, and where on it the robot can stand."""
+        self._localized.hear_map(plan)
+
     def on_request(self, request: MotionRequest, now: float) -> MotionAnswer:
         """Begin a motion, or say why not. Asked again, it is the answer of the first time."""
         if (met := self._answers.get(request.id)) is not None:
@@ -179,6 +183,8 @@ class MotionPolicy(Hand):
             return _NO_ODOMETRY
         try:
             if any(map(is_in_map, steps_of(request))) and (fault := self._localized.fault(self._age, now)):
+                return fault
+            if fault := self._localized.goal_fault(steps_of(request)):
                 return fault
             self._motion = self._pilot.begin(request, odometry, now)
         except ValueError as error:

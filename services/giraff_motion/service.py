@@ -16,6 +16,7 @@ from giraff_schemas.topics import (
     BASE,
     ESTOP,
     GUARD,
+    MAP,
     MOTION,
     MOTION_ARC,
     MOTION_CANCEL,
@@ -45,7 +46,7 @@ class Motion(OperatorService):
         super().__init__(io, self._policy, wakes=False)
         self._odometry = io.inbox(ODOM, limit=_LATE, wakes=False)
         self._bases, self._guards = io.inbox(BASE, limit=1, wakes=False), io.inbox(GUARD, limit=1, wakes=False)
-        self._poses = io.inbox(POSE, limit=10, wakes=False)
+        self._poses, self._maps = io.inbox(POSE, limit=10, wakes=False), io.inbox(MAP, limit=1, wakes=False)
         self._estops = io.inbox(ESTOP, limit=10, wakes=False)
         self._holds = io.inbox(MOTION_HOLD, limit=_LATE, wakes=False)
         self._requests = (
@@ -77,6 +78,8 @@ class Motion(OperatorService):
             policy.on_odometry(odometry, now)
         for pose in self._poses.take():
             policy.on_pose(pose, now)
+        for plan in self._maps.take():
+            policy.on_map(plan)
         for base in self._bases.take():
             policy.on_base(base, now)
         for estop in self._estops.take():

@@ -6,13 +6,17 @@ from typing import Final
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.timer import Timer
-from giraff_schemas.localization import LocalizationState
+from giraff_localization.free_space import FreeSpace
+from giraff_maps.floor_plan import FloorPlan
+from giraff_schemas.localization import LocalizationState, MapWalls
 from giraff_schemas.messages import Odometry, RobotTime
-from giraff_schemas.topics import ODOM, POSE
+from giraff_schemas.topics import MAP, ODOM, POSE
 from giraff_sim.hosts.process import Process
 from tests.support.map_poses import map_pose
 
 ODOM_IN_MAP: Final = Pose(4.0, 1.0, 1.5)
+_WALLS: Final = ((0.0, 0.0, 8.0, 0.0), (8.0, 0.0, 8.0, 5.0), (8.0, 5.0, 0.0, 5.0), (0.0, 5.0, 0.0, 0.0))
+_FREE: Final = FreeSpace(FloorPlan("flat", _WALLS), 0.2).free
 
 
 class Locator:
@@ -28,8 +32,8 @@ class Locator:
         """That it says; None: the one of the newest odometry."""
         self._newest: Odometry | None = None
         self._odometry = process.inbox(ODOM, limit=1, wakes=False)
-        self._poses = process.publisher(POSE)
-        self.timers = (Timer(POSE.rate_hz),)
+        self._poses, self._maps = process.publisher(POSE), process.publisher(MAP)
+        self.timers = (Timer(POSE.rate_hz), Timer(MAP.rate_hz))
 
     @property
     def newest(self) -> RobotTime | None:
@@ -42,6 +46,9 @@ class Locator:
         if self.timers[0].due(now) and (newest := self._newest) is not None:
             robot = Pose(newest.x, newest.y, newest.yaw)
             self._poses.put(map_pose(self.odom, robot, self.tick or newest.tick, self.state))
+
+        if self.timers[1].due(now):
+            self._maps.put(MapWalls(map="flat", walls=_WALLS, free=_FREE))
 
     def end(self) -> None:
         """Nothing is left to say."""

@@ -18,6 +18,8 @@ from tests.loop.test_motion_ends import STOPS
 
 AHEAD: Final = Pose(2.0, 0.0, 0.0).placed_in(ODOM_IN_MAP)
 """Of a robot that has not moved yet."""
+BEYOND: Final = Pose(4.0, 9.0, 0.0)
+"""No place of the plan."""
 TOLD: Final = 0.12
 """s until motion hears what localization says of it."""
 SILENT: Final = 1.0
@@ -85,7 +87,12 @@ FAULTS: Final[dict[str, tuple[float, Callable[[Located], object]]]] = {
 
 @pytest.mark.parametrize("host", ["robot", "operator"])
 def test_it_arrives_where_that_is_on_the_map(host: str) -> None:
+    """A point where nobody can stand is refused before, and turns no wheel."""
     with located(host) as it:
+        asked = it.stage.now
+        assert not it.ask(BEYOND)
+        it.stage.run(0.5)
+        assert it.stage.driven_ms(asked) == 0
         assert it.ask()
         it.stage.until_ended(15.0)
         assert (it.stage.state.outcome, it.stage.state.reason) == ("arrived", "")

@@ -139,9 +139,9 @@ def test_it_begins_lost_with_particles_all_over() -> None:
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"x": 0.05}, "in a wall or off the map"),
-        ({"x": -40.0}, "in a wall or off the map"),
-        ({"x": 1e300}, "in a wall or off the map"),
+        ({"x": 0.05}, "in a wall, too near one, or off the map"),
+        ({"x": -40.0}, "in a wall, too near one, or off the map"),
+        ({"x": 1e300}, "in a wall, too near one, or off the map"),
         ({"position_sd": 21.0}, "position_sd"),
         ({"yaw_sd": 90.0}, "degrees"),
     ],

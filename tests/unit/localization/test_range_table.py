@@ -118,16 +118,16 @@ def test_a_part_stays_small_however_many_walls_there_are(monkeypatch: pytest.Mon
 
 def test_a_robot_fits_where_no_wall_is_near() -> None:
     space = floor().space
-    assert space.is_at(*MIDDLE)
-    assert not space.is_at(0.1, 1.5), "in the wall"
-    assert not space.is_at(-0.3, 1.5), "outside"
-    assert not space.is_at(1e9, -1e9), "far off"
+    assert space.free.holds(*MIDDLE)
+    assert not space.free.holds(0.1, 1.5), "in the wall"
+    assert not space.free.holds(-0.3, 1.5), "outside"
+    assert not space.free.holds(1e9, -1e9), "far off"
     assert space.area == pytest.approx((5.0 - 0.4) * (3.0 - 0.4), rel=0.1)
 
 
 def test_a_plan_with_an_open_door_has_room_all_the_same() -> None:
     opened = FloorPlan("open", ((1.2, 0.0, 5.0, 0.0), (5.0, 0.0, 5.0, 3.0), (5.0, 3.0, 0.0, 3.0), (0.0, 3.0, 0.0, 0.0)))
-    assert floor(opened).space.is_at(*MIDDLE)
+    assert floor(opened).space.free.holds(*MIDDLE)
 
 
 @pytest.mark.parametrize(

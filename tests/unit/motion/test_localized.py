@@ -9,12 +9,15 @@ from typing import Final
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from giraff_core.kinematics.pose import Pose
+from giraff_localization.free_space import FreeSpace
+from giraff_maps.floor_plan import FloorPlan
 from giraff_motion.localized import Localized, Placed
-from giraff_schemas.localization import LocalizationState
+from giraff_schemas.localization import LocalizationState, MapWalls
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.motion import GoTo, MotionGo, MotionState, Move, Turn
+from giraff_schemas.motion import GoTo, MotionGo, MotionState, Move, Step, Turn
 from giraff_schemas.requests import OdomReset
 from tests.support.map_poses import LOST, map_pose
 from tests.unit.motion.bench import Bench
@@ -22,6 +25,17 @@ from tests.unit.motion.bench import Bench
 ODOM: Final = Pose(4.0, 1.0, math.pi / 2.0)
 """In `map`: the robot begins at (4, 1) and looks along y."""
 SILENT: Final = "no pose on the map is heard any more"
+WALLS: Final = (
+    (0.0, 0.0, 5.0, 0.0),
+    (5.0, 0.0, 5.0, 5.0),
+    (5.0, 5.0, 0.0, 5.0),
+    (0.0, 5.0, 0.0, 0.0),
+    (2.0, 1.0, 2.0, 3.0),
+)
+"""A room of 5 m by 5 m, and a wall in it."""
+PLAN: Final = MapWalls(
+    map="room", walls=WALLS, free=FreeSpace(FloorPlan("room", WALLS), 0.2).free, instance="localization-1"
+)
 POSES: Final = st.builds(Pose, st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), st.floats(-3.0, 3.0))
 
 
@@ -102,6 +116,31 @@ def test_it_begins_only_while_it_is_known_where_the_robot_is(spoil: Callable[[Be
     bench.run(1.0)
     assert bench.said == []
     assert bench.ask(MotionGo, steps=(Move(distance=0.3),)).accepted, "which needs no map"
+
+
+@pytest.mark.parametrize(("x", "y"), [(9.0, 9.0), (-1e300, 2.0), (0.0, 2.0), (2.05, 2.0)])
+@pytest.mark.parametrize("before", [(), (Move(distance=0.3),)])
+def test_a_goal_where_nobody_can_stand_is_refused_before_the_robot_turns(
+    before: tuple[Step, ...], x: float, y: float
+) -> None:
+    """Off the plan, beyond all numbers, in its outer wall, and nearer to a wall within than its body is wide."""
+    bench = localized()
+    bench.policy.on_map(PLAN)
+    start = bench.floor.pose
+    answer = bench.ask(MotionGo, steps=(*before, in_map(x, y)))
+    assert not answer.accepted
+    assert answer.reason.startswith(f"({x:g}, {y:g}) is in a wall, too near one, or off ")
+    assert "from (0.0, 0.0) to (5.0, 5.0) m; give a place where the robot can stand" in answer.reason
+    bench.run(1.0)
+    assert (bench.said, bench.floor.pose) == ([], start)
+    assert bench.do(MotionGo, steps=(in_map(4.0, 2.0), in_map(4.0, 1.5))).outcome == "arrived"
+
+
+@pytest.mark.parametrize("plan", [replace(PLAN, instance="another"), replace(PLAN, free=None)])
+def test_no_goal_is_judged_by_a_plan_that_is_not_known_to_be_that_of_the_pose(plan: MapWalls) -> None:
+    bench = localized()
+    bench.policy.on_map(plan)
+    assert bench.ask(MotionGo, steps=(in_map(9.0, 9.0),)).accepted
 
 
 def test_it_goes_by_a_place_that_was_told_and_ends_where_that_does_not_hold() -> None:

@@ -367,6 +367,16 @@ def test_it_is_held_while_it_goes_on_and_its_end_is_told_unless_it_arrived() -> 
     assert not rviz.goals.trouble
 
 
+def test_why_motion_refuses_a_goal_is_told() -> None:
+    rviz = Rviz()
+    rviz.give(9.0, 9.0)
+    rviz.run()
+    rviz.robot.asked[-1].answers.append(MotionAnswer(accepted=False, reason="(9, 9) is off the map"))
+    rviz.run()
+    assert not rviz.goals.is_active
+    assert "not driven to: (9, 9) is off the map" in str(rviz.goals.trouble)
+
+
 def test_a_new_goal_takes_the_place_of_the_old_one() -> None:
     rviz = Rviz()
     old = rviz.drive()

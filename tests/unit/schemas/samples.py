@@ -27,6 +27,9 @@ _LEAVES: dict[Any, st.SearchStrategy[Any]] = {
     bytes: st.binary(max_size=8),
     bool: st.booleans(),
     type(None): st.none(),
+    lo.FreeCells: st.binary(max_size=8).map(
+        lambda bits: lo.FreeCells(left=-1.0, bottom=2.0, side=0.05, columns=8, rows=len(bits), bits=bits)
+    ),
     m.RobotTime: st.builds(m.RobotTime, epoch=_EPOCHS, robot_ns=_ROBOT_NS),
 }
 
@@ -240,7 +243,12 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "tick": _TIME,
     },
     lo.Particles: _START | {"x": [1.0, 2.0], "y": [0.0, 1.0], "yaw": [0.5, -0.5]},
-    lo.MapWalls: _START | {"map": "hall", "walls": [[0.0, 0.0, 5.0, 0.0]]},
+    lo.MapWalls: _START
+    | {
+        "map": "hall",
+        "walls": [[0.0, 0.0, 5.0, 0.0]],
+        "free": {"left": 0.0, "bottom": 0.0, "side": 0.05, "columns": 3, "rows": 3, "bits": b"\x00\x80"},
+    },
     mo.MotionHold: _START | {"id": 11, "tick": _TIME},
     mo.MotionState: _START
     | {
