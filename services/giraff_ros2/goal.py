@@ -15,7 +15,7 @@ from giraff_core.operator import RobotLink
 from giraff_core.retry import RetriedRequest
 from giraff_ros2.answers import Answers
 from giraff_ros2.hand.clock import OLD, PublisherClock
-from giraff_ros2.port import Received
+from giraff_ros2.port import OTHER_LIBRARY, USE_RMW_ZENOH, Received
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Odometry, Sample, Tick
@@ -73,7 +73,7 @@ class Goals:
         return self._trouble if self._now - self._told_at < _TOLD_FOR else WELL
 
     def on_goal(self, received: Received, answers: Answers | None, now: float) -> None:
-        """Take a goal. It replaces the one before it. `answers`: of its publisher's process; None: it is not there."""
+        """Take a goal. It replaces the one before it. `answers`: of its publisher's process; None: it has no token."""
         self._notice_standstill(now)
         pose, frame = received.message.pose, received.message.header.frame_id
         at, turned = pose.position, pose.orientation
@@ -84,6 +84,8 @@ class Goals:
             self._tell(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
         elif max(abs(turned.x), abs(turned.y)) > _LEVEL or not 0.9 < norm < 1.1:
             self._tell("its orientation is no turn on the floor", now)
+        elif answers is None:
+            self._tell(f"no token has the id of its publisher, which has ended, or {OTHER_LIBRARY}", now, USE_RMW_ZENOH)
         elif why := self._age_fault(received, answers, now):
             self._tell(f"{why}; give it again", now)
         else:
@@ -150,14 +152,12 @@ class Goals:
             self._goal = self._requester = self._motion = None
             self._tell(f"{_STILL}; give it again", now)
 
-    def _age_fault(self, received: Received, answers: Answers | None, now: float) -> str:
+    def _age_fault(self, received: Received, answers: Answers, now: float) -> str:
         """Return why nobody knows that a goal was given just now; empty: it was.
 
         The publisher's clock tells that a goal is later than others. It says nothing of the first one, nor of a click
         that a frozen process publishes when it wakes, with the time of then. Its answers do.
         """
-        if answers is None:
-            return "whoever gave it is not there"
         if received.gid not in self._clocks and len(self._clocks) >= _MOST:
             del self._clocks[next(iter(self._clocks))]
         clock = self._clocks.setdefault(received.gid, PublisherClock())
@@ -202,11 +202,8 @@ class Goals:
             if not (result.arrived or motion.is_cancelled):
                 self._tell(result.reason, now)
 
-    def _tell(self, why: str, now: float) -> None:
-        self._trouble, self._told_at = (
-            Trouble(f"/goal_pose is not driven to: {why}", "give another goal when that is over"),
-            now,
-        )
+    def _tell(self, why: str, now: float, remedy: str = "give another goal when that is over") -> None:
+        self._trouble, self._told_at = Trouble(f"/goal_pose is not driven to: {why}", remedy), now
 
 
 def _steps(pose: tuple[float, float, float], frame: str, x: float, y: float, yaw: float) -> tuple[Step, ...]:

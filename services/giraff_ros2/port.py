@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 from giraff_core.io import Selectable
 from giraff_ros2.answers import Answers
 from giraff_ros2.topics import RosTopic
 from giraff_schemas.trouble import Trouble
+
+OTHER_LIBRARY: Final = "whose library does not give ids as rmw_zenoh_cpp does"
+USE_RMW_ZENOH: Final = "drive by a program on rmw_zenoh_cpp"
 
 
 class RosPublisher(NamedTuple):

@@ -83,7 +83,7 @@ class Ros2(OperatorService):
         self.say(now)
         if is_due:
             self._says.turn(now)
-            self._tell()
+            self._tell(now)
 
     def on_tick(self, tick: Tick, now: float) -> None:
         super().on_tick(tick, now)
@@ -121,8 +121,9 @@ class Ros2(OperatorService):
         # Also zero, which stops: it is the key that somebody presses in fright.
         self._goals.cancel("a message came on /cmd_vel", now)
 
-    def _tell(self) -> None:
+    def _tell(self, now: float) -> None:
         self._io.set_notice("ros", self._ros.trouble())
+        self._io.set_notice("publisher", self._twists.token_fault(now))
         self._io.set_notice("goal", self._goals.trouble)
         if not self._speaks:
             self._io.set_notice("hand", WELL)

@@ -132,8 +132,11 @@ def test_a_goal_ends_with(name: str) -> None:
             assert why in it.loop.processes["ros2"].told["goal"]
 
 
-def test_what_the_robot_says_is_published_fifty_times_a_second_at_most() -> None:
+def test_without_a_publisher_that_is_known_there_is_no_hand_and_the_robot_is_shown_fifty_times_a_second_at_most() -> (
+    None
+):
     with ros_stage() as it:
+        it.desk.say(Program("sdk"), 0.3, 0.0, it.now)  # no token has its id
         before = dict(it.desk.counts)
         heard = it.loop.newest["odom"].seq
         it.run(1.0)
@@ -142,5 +145,7 @@ def test_what_the_robot_says_is_published_fifty_times_a_second_at_most() -> None
         odom, message = it.loop.newest["odom"], it.desk.published["odom"]
         assert message.pose.pose.position.x == pytest.approx(odom.x, abs=1e-3)
         assert {"tf", "tf_static", "robot_description", "diagnostics", "battery_state"} <= it.desk.published.keys()
-        assert "cmd_vel/ros2" not in it.loop.newest  # no publisher, no hand: the robot's own chain hears nothing of it
+        it.run(0.1)
+        assert "cmd_vel/ros2" not in it.loop.newest  # the robot's own chain hears nothing of it
+        assert "no token has the id of their publisher" in it.loop.processes["ros2"].told["publisher"]
         assert sum(name.startswith("range/") for name in it.desk.published) == len(it.loop.settings.robot.sensors)

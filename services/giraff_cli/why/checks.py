@@ -29,7 +29,7 @@ def operator(chain: ChainState) -> Link:
             return chain.silent("operator", there[0])
         if ROS2.name in chain.observation.alive:
             text = f"no program of ROS publishes cmd_vel, where giraff_ros2 listens; start one, or {START_A_HAND}"
-            return Link(name="operator", standing="missing", text=text)
+            return Link(name="operator", standing="missing", text=_told_of_ros(chain) or text)
         return Link(name="operator", standing="missing", text=f"no operator is heard; {START_A_HAND}")
     command, name = heard.sample, heard.sample.operator
     commands = (each.sample for each in chain.observation.of(OPERATOR_CMD_VEL))
@@ -55,7 +55,15 @@ def _asked(chain: ChainState, heard: Latest[DriveCommand]) -> Link:
         return link_from("operator", "STOPS", heard, f"{text}: too old; bring it nearer, or check its link")
     if age > _BUDGET / 2.0:
         return link_from("operator", "limits", heard, f"{text}: slowed; bring it nearer, or check its link")
+    if command.neutral and command.operator != ROS2.name and (told := _told_of_ros(chain)):
+        return link_from("operator", "limits", heard, f"{text}; {told}")
     return link_from("operator", "ok", heard, text)
+
+
+def _told_of_ros(chain: ChainState) -> str:
+    """Return why programs of ROS that ask to drive count for nothing; empty: nothing is wrong with them."""
+    told = "; ".join(chain.observation.faults(ROS2.name))
+    return f"giraff_ros2: {told}" if told else ""
 
 
 def hand(chain: ChainState) -> Link:

@@ -67,7 +67,8 @@ def _conclude(chain: tuple[Link, ...], broken: list[Link], drives: bool) -> str:
         first, *others = broken
         return f"{first.name}: {first.text}" + (f" (then: {', '.join(link.name for link in others)})" if others else "")
     if idle := next((link for link in chain if link.standing == "idle"), None):
-        return idle.text
+        operator = next(link for link in chain if link.name == "operator")
+        return f"{idle.text}; {operator.text}" if operator.standing == "limits" else idle.text
     limits = "; ".join(f"{link.name}: {link.text}" for link in chain if link.standing == "limits")
     if drives:
         return "the robot drives" + (f", but {limits}" if limits else "")

@@ -31,7 +31,7 @@ class Publisher:
     """Feed it its messages in their order. Times are monotonic, s."""
 
     def __init__(self, now: float) -> None:
-        self.node = "an unknown node"
+        self.node = "a publisher that no token names"
         self.is_there = False
         """Its token is. That proves nothing: a frozen process keeps it for a minute."""
         self.was_there = False
@@ -49,7 +49,7 @@ class Publisher:
         """Why its newest message that was refused does not count."""
         self.refused_at = -math.inf
         self._clock = PublisherClock()
-        self._seen = now
+        self.seen = now
         self._in_stream = 0
         self._can_answer = False
         self._calm_since = math.inf
@@ -79,6 +79,10 @@ class Publisher:
             self._in_stream = self._in_stream + 1 if received.at - self.came <= _STREAM_PERIOD else 1
             self.asks, self.tick, self.came = asks, tick, received.at
 
+    def was_heard_since(self, at: float) -> bool:
+        """Tell whether a message of it came after that time, also one that was refused."""
+        return max(self.came, self.refused_at) >= at
+
     def moves(self, now: float) -> bool:
         """Tell whether it asks for motion now."""
         return self.asks != (0.0, 0.0) and now - self.came <= LASTS
@@ -89,7 +93,7 @@ class Publisher:
             return self.came
         if now - self.answered <= ANSWERS:
             return self.answered
-        if not self._can_answer and now - self._seen > _FIRST_ANSWER:
+        if not self._can_answer and now - self.seen > _FIRST_ANSWER:
             # None of rmw_zenoh's. A stream that breaks off may be a frozen process, single messages are a person.
             return now if self.asks == (0.0, 0.0) or self._in_stream < _STREAM else -math.inf
         return -math.inf

@@ -17,7 +17,7 @@ from giraff_core.operator import Fault, Hand, Operator, Wish
 from giraff_ros2.answers import Answers
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.hand.publisher import ANSWERS, CALM, LASTS, Publisher
-from giraff_ros2.port import Received, Refused, RosPublisher
+from giraff_ros2.port import OTHER_LIBRARY, USE_RMW_ZENOH, Received, Refused, RosPublisher
 from giraff_ros2.topics import CMD_VEL, CMD_VEL_STAMPED
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.trouble import WELL, Trouble
@@ -26,7 +26,11 @@ RESTS: Final = 30.0
 """s after its last message for which a publisher is a hand at rest, and no longer."""
 _GONE: Final = 1.0  # s for which the end of a publisher that drove is told
 _MOST: Final = 32  # publishers that are remembered
+_TOKEN_WITHIN: Final = 1.0  # s. Messages and tokens come in any order
 
+_NO_TOKEN: Final = Trouble(
+    f"messages on /cmd_vel count for nothing: no token has the id of their publisher, {OTHER_LIBRARY}", USE_RMW_ZENOH
+)
 _STOPPING: Final = Trouble("/giraff/estop was called, and base has not yet confirmed the emergency stop")
 _LET_REST: Final = f"let it rest, or publish zero, for {CALM:g} s"
 
@@ -73,6 +77,12 @@ class TwistHand(Hand):
             self._calm_since = min(self._calm_since, now)
             if now - self._calm_since >= CALM:
                 self._lost = WELL
+
+    def token_fault(self, now: float) -> Trouble:
+        """Return why whole messages that came lately count for nothing; WELL: each publisher has a token."""
+        strangers = (each for each in self._publishers.values() if not each.was_there)
+        is_told = any(now - each.seen > _TOKEN_WITHIN and each.was_heard_since(now - RESTS) for each in strangers)
+        return _NO_TOKEN if is_told else WELL
 
     def poll(self, now: float) -> Wish | Fault | None:
         """Return what ROS asks; None: nobody of ROS has a hand on this robot."""
@@ -122,8 +132,8 @@ class TwistHand(Hand):
 
     def _spoke(self, now: float) -> bool:
         """Tell whether anybody has published lately."""
-        newest = max((max(each.came, each.refused_at) for each in self._publishers.values()), default=-math.inf)
-        return now - max(newest, self._refused_at) <= _GONE
+        is_heard = any(each.was_heard_since(now - _GONE) for each in self._publishers.values())
+        return is_heard or now - self._refused_at <= _GONE
 
     def _tick_at(self, at: float) -> RobotTime | None:
         """Return the robot's newest tick at that time: never one of later than the proof."""

@@ -152,6 +152,16 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
         "operator",
         "no operator is heard; start giraff_joystick or giraff_key",
     ),
+    "no program of ROS": (
+        lambda s: s.end("joystick").alive.add("ros2"),
+        "operator",
+        "no program of ROS publishes cmd_vel, where giraff_ros2 listens; start one",
+    ),
+    "a program of ROS that does not count": (
+        lambda s: s.end("joystick").complain("ros2", "messages on /cmd_vel count for nothing"),
+        "operator",
+        "giraff_ros2: messages on /cmd_vel count for nothing",
+    ),
     "no guard": (
         lambda s: s.end("guard"),
         "guard",

@@ -77,6 +77,13 @@ def test_an_idle_robot_that_base_forbids_to_move_is_stopped_by_base() -> None:
     assert chain.diagnosis().stopped_by == "e-stop"
 
 
+def test_a_program_of_ros_that_does_not_count_is_told_beside_a_hand_that_rests() -> None:
+    told = "giraff_ros2: messages on /cmd_vel count for nothing"
+    diagnosis = idle(Scene()).complain("ros2", told.removeprefix("giraff_ros2: ")).diagnosis()
+    assert (diagnosis.stopped_by, diagnosis.conclusion.startswith(str(IDLE))) == ("", True)
+    assert diagnosis.conclusion.endswith(told)
+
+
 def test_one_who_asks_and_holds_no_lease_is_not_idle() -> None:
     chain = idle(Scene()).put(topics.OPERATOR_CMD_VEL, command(0.3), HAND, "joystick")
     assert chain.diagnosis().stopped_by == "lease"

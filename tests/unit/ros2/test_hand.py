@@ -247,6 +247,26 @@ def test_the_end_of_a_publisher_that_drives_is_told_and_then_there_is_no_hand(de
     assert said[-1] is None
 
 
+def test_who_publishes_by_an_id_that_no_token_has_is_told_and_moves_nothing(desk: Desk) -> None:
+    desk.come("sdk")  # its own token has another id than its messages
+    said = desk.run(0.9, lambda: desk.send("random", 0.3))
+    assert not desk.hand.token_fault(desk.now), "for its token may come yet"
+    said += desk.run(1.0, lambda: desk.send("random", 0.3))
+    assert set(said) == {None}
+    assert "no token has the id of their publisher" in str(desk.hand.token_fault(desk.now))
+    desk.run(0.5)
+    desk.send("random", math.nan)
+    assert faults(desk.run(0.1)) == {"a message of a publisher that no token names has a speed that is not a number"}
+    desk.run(29.0)
+    assert desk.hand.token_fault(desk.now)
+    desk.run(1.0)
+    assert not desk.hand.token_fault(desk.now), "which is long ago"
+    desk.send("random", 0.3)
+    desk.come("random")
+    desk.run(0.5)
+    assert not desk.hand.token_fault(desk.now)
+
+
 def test_a_message_of_nobody_and_a_torn_one_move_nothing(desk: Desk) -> None:
     desk.send("stranger", 0.3)
     assert not moves(desk.run(1.0))
