@@ -177,7 +177,12 @@ VISION: Final = Service(
 RECORDER: Final = Service(name="recorder", host="any", entry="main", optional=True)
 """Hears all that there is."""
 DOOR: Final = Service(
-    name="door", host="robot", missing=("fault", "other machines do not find the robot"), entry="main", optional=True
+    name="door",
+    host="robot",
+    missing=("fault", "other machines do not find the robot"),
+    entry="main",
+    optional=True,
+    simulated=True,
 )
 """The process of the robot that other hosts find, and through which their commands hear all of it."""
 SENTRY: Final = Service(name="sentry", host="robot", entry="main", optional=True)

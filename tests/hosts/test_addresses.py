@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 import pytest
 
-from tests.hosts.process_site import NUMBERS, ProcessSite
+from tests.hosts.process_site import NUMBERS, PYTHON, ProcessSite
 from tests.hosts.switch import NETWORK
 from tests.support.process_robot import FULL_TILT
 from tests.support.waiting import wait
@@ -72,6 +72,18 @@ def test_a_robot_with_several_networks_is_found_and_stopped(tmp_path: Path) -> N
             assert "STOPPED" in stopped, what
             assert "starting again" not in site.log("base"), what
             site.kill()
+
+
+def test_a_robot_of_a_run_is_found_and_stopped_once_its_network_comes(tmp_path: Path) -> None:
+    command = ["env", f"TMPDIR={tmp_path}", *PYTHON, "-m", "giraff_cli", "run", "--boards", "host", "--hand", "none"]
+    with ProcessSite(tmp_path) as site:
+        site.ip("robot", *_OTHER, _HAS_NOT)
+        site.begin("run", "robot", command, LAN)
+        wait(lambda: site.output("run").count(" | base ") > 2, 60.0, what="a robot that runs")
+        site.ip("robot", _HAS)
+        assert "STOPPED" in site.giraff("laptop", LAN, "estop", "engage", "--timeout", _FOUND_WITHIN)
+        logs = tmp_path.glob("giraff-run-*/*.log")
+        assert [log.name for log in logs if "starting again" in log.read_text()] == ["door.log"]
 
 
 def test_a_vpn_that_comes_stops_no_drive(tmp_path: Path) -> None:

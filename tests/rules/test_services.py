@@ -109,7 +109,7 @@ def test_compose_asks_each_part_of_a_simulated_robot_how_it_is() -> None:
     require({*asked[1].split(", ")} == {*SIMULATED}, "docker-compose.yml, at sim,", wanted)
 
 
-@pytest.mark.parametrize("name", SIMULATED)
+@pytest.mark.parametrize("name", [each.name for each in SERVICES if each.simulated and each.entry == "service"])
 def test_it_is_a_part_of_the_simulated_robot(name: str) -> None:
     made = name.capitalize()
     lines = f"""from giraff_{name}.config import {made}Config

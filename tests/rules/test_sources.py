@@ -74,6 +74,19 @@ def test_no_text_is_read_or_written_by_the_letters_of_the_locale() -> None:
     assert calls == []
 
 
+def test_no_door_is_opened_but_by_its_service() -> None:
+    """A door watches this host's addresses, its links and its keys. `Node` does so for the service `giraff_door`."""
+    calls = [
+        (name(path), call.lineno)
+        for path in sources(".py", under=("services",))
+        for call in ast.walk(ast.parse(path.read_bytes()))
+        if isinstance(call, ast.Call)
+        and "'door'" in map(ast.unparse, (*call.args, *(word.value for word in call.keywords)))
+        if ast.unparse(call.func).endswith("session") or "role" in {word.arg for word in call.keywords}
+    ]
+    assert calls == []
+
+
 LOOPHOLES = {"skip", "skipif", "skipIf", "skipUnless", "xfail", "importorskip", "SkipTest"}
 
 

@@ -77,7 +77,7 @@ def test_one_that_ignores_sigterm_is_killed_in_bounded_time(tmp_path: Path) -> N
 
 def test_a_base_that_hangs_holds_back_no_confirmation_of_another() -> None:
     network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
-    staying = open_session(network, ROBOT)
+    staying = open_session(network, ROBOT, "door")
     connection = RobotConnection(ROBOT, open_session(network, ROBOT, "client"))
     release = threading.Event()
 

@@ -202,7 +202,7 @@ def _of_network(look: Inspection) -> Iterator[Finding]:
 
 
 def _of_services(robot: Robot, network: Network) -> Iterator[Finding]:
-    doors = (DOOR.name, RUN.name, PLAY.name)
+    doors = (DOOR.name, PLAY.name)
     has_door = not network.has_doors or any(robot.services.get(each) for each in doors)
     for service, (severity, so) in _MISSED.items():
         is_missed = service not in robot.unused and not (service == DOOR.name and has_door)

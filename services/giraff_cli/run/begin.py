@@ -26,6 +26,7 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.session import open_session
 from giraff_node.network.tokens import list_robots
+from giraff_schemas.services import RUN
 from giraff_schemas.text import printable_lines
 
 _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms
@@ -43,17 +44,17 @@ def drive(plan: Plan) -> int:
         if held is None and not network.local:
             return _refuse(f"a run of {robot} is going on on this host{_WAY_OUT}")
         try:
-            connection = RobotConnection(robot, open_session(network, robot))
+            token, others = (None, []) if network.local else _look_around(network, robot)
+            if token is not None:
+                return _refuse(f"a robot called {robot} is on the network already ({token}){_WAY_OUT}")
+            # Its own processes speak to it at sockets, whatever becomes of this host's addresses and of its door.
+            connection = RobotConnection(robot, open_session(network, robot, "inside", name=RUN.name))
         except ConfigError as error:
             return _refuse(str(error))
         except zenoh.ZError as error:
             return _refuse(f"no Zenoh session: {error}; check the table [network] of the robot file")
         try:
-            token = None if network.local else connection.find_duplicate(_SEEK_NAMESAKE)
-            if token is not None:
-                code = _refuse(f"a robot called {robot} is on the network already ({token}){_WAY_OUT}")
-            else:
-                code = _with_directory(plan, network, connection, stopping)
+            code = _with_directory(plan, network, connection, stopping, others)
         finally:
             connection.close()
         if held is not None:
@@ -66,8 +67,19 @@ def _refuse(why: str) -> int:
     return _REFUSED
 
 
-def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnection, stopping: StopSignal) -> int:
-    invitation = _invitation(plan, network, connection)
+def _look_around(network: NetworkConfig, robot: str) -> tuple[str | None, list[str]]:
+    """Return the liveliness token of a robot of this name, and the names of all robots that are heard."""
+    visit = RobotConnection(robot, open_session(network, robot, "outside", visits=True))
+    try:
+        return visit.find_duplicate(_SEEK_NAMESAKE), list_robots(visit.session)
+    finally:
+        visit.close()
+
+
+def _with_directory(
+    plan: Plan, network: NetworkConfig, connection: RobotConnection, stopping: StopSignal, others: list[str]
+) -> int:
+    invitation = _invitation(plan, network, others)
     say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
     see = ", see by it" if plan.camera else ""
     say(f"meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it{see}")
@@ -88,7 +100,7 @@ def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnect
     return code
 
 
-def _invitation(plan: Plan, network: NetworkConfig, connection: RobotConnection) -> Invitation:
+def _invitation(plan: Plan, network: NetworkConfig, others: list[str]) -> Invitation:
     # Another terminal may have the variable, too, and a stop goes to the robot of that file unless one is named.
     has_usual_name = is_simulated_here(plan.robot.name) and not os.environ.get("GIRAFF_CONFIG")
     return invite(
@@ -97,5 +109,5 @@ def _invitation(plan: Plan, network: NetworkConfig, connection: RobotConnection)
         network,
         Path(plan.environment["GIRAFF_CONFIG"]),
         interfaces=interfaces(),
-        is_only_here=has_usual_name and not list_robots(connection.session),
+        is_only_here=has_usual_name and not others,
     )

@@ -21,7 +21,7 @@ from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import CAMERA, LOCALIZATION, SERVICES, SIMULATED, VISION, WEB
+from giraff_schemas.services import CAMERA, DOOR, LOCALIZATION, SERVICES, SIMULATED, VISION, WEB
 from giraff_schemas.text import plain
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
@@ -57,6 +57,8 @@ class SimulatedRobot:
         """`directory` takes ports, control socket, state and logs."""
         self._plan = plan
         self._rendezvous = rendezvous
+        own = {"GIRAFF_NETWORK_RENDEZVOUS": rendezvous, "STATE_DIRECTORY": str(directory / "state")}
+        self._environment = plan.environment | own
         self._directory = directory
         self._control = directory / "control"
         self._processes = ProcessGroup(directory)
@@ -83,6 +85,7 @@ class SimulatedRobot:
             "--hand": plan.hand,
         }
         flat = [str(part) for pair in arguments.items() for part in pair]
+        self._start(DOOR.name, self._environment)  # it is there when the others look for it
         self._processes.start(SIMULATOR, "giraff_sim", flat, plan.environment)
         deadline = time.monotonic() + _READY_WITHIN
         while (ready := self._ready()) is None:
@@ -99,12 +102,11 @@ class SimulatedRobot:
         return True
 
     def _start_services(self, ports: dict[str, str]) -> None:
-        environment = self._plan.environment | {"GIRAFF_NETWORK_RENDEZVOUS": self._rendezvous}
-        environment |= {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
-        environment["STATE_DIRECTORY"] = str(self._directory / "state")
+        environment = self._environment | {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
         for service in SIMULATED:
-            self._start(service, environment)
+            if service != DOOR.name:
+                self._start(service, environment)
         if self._plan.localize:
             self._start(LOCALIZATION.name, environment | self._map())
         if self._plan.camera:

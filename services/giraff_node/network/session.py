@@ -82,7 +82,7 @@ class NobodyError(Exception):
 def session_config(
     network: NetworkConfig,
     robot: str,
-    role: Role = "door",
+    role: Role,
     *,
     records: bool = False,
     visits: bool = False,
@@ -142,7 +142,7 @@ def _id_end(role: Role) -> str:
 def open_session(
     network: NetworkConfig,
     robot: str,
-    role: Role = "door",
+    role: Role,
     *,
     records: bool = False,
     visits: bool = False,

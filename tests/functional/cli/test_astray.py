@@ -25,7 +25,7 @@ from tests.unit.cli.typed import typed
 def stranger() -> Iterator[tuple[Base, str]]:
     """A robot of the same name, on a network that is not secured, and its address."""
     network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
-    staying = open_session(network, ROBOT)
+    staying = open_session(network, ROBOT, "door")
     with base(network) as robot:
         yield robot, network.rendezvous
     assert close_session(staying)
@@ -46,7 +46,7 @@ def robot(keys: Path) -> Iterator[tuple[Base, str]]:
         access=AccessConfig(robot=("robot",), viewers=("desk",)),
         local=True,
     )
-    staying = open_session(network, ROBOT)
+    staying = open_session(network, ROBOT, "door")
     with base(network) as made:
         yield made, network.rendezvous
     assert close_session(staying)

@@ -27,7 +27,7 @@ from tests.support.waiting import wait
 def network() -> Iterator[NetworkConfig]:
     """Of a process that stays, and at whose rendezvous the others meet."""
     made = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
-    staying = open_session(made, ROBOT)
+    staying = open_session(made, ROBOT, "door")
     yield made
     assert close_session(staying)
 

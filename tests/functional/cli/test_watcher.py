@@ -30,7 +30,7 @@ def network() -> NetworkConfig:
 
 @pytest.fixture
 def connection(network: NetworkConfig) -> Iterator[RobotConnection]:
-    opened = RobotConnection(ROBOT, open_session(network, ROBOT))
+    opened = RobotConnection(ROBOT, open_session(network, ROBOT, "door"))
     yield opened
     assert opened.close()
 
@@ -89,7 +89,7 @@ def test_a_namesake_is_found_and_others_are_not(connection: RobotConnection, oth
 
 
 def test_a_visitor_leaves_the_rendezvous_to_those_who_stay(network: NetworkConfig) -> None:
-    assert network.rendezvous in str(session_config(network, ROBOT)["listen"])
+    assert network.rendezvous in str(session_config(network, ROBOT, "door")["listen"])
     assert network.rendezvous not in str(session_config(network, ROBOT, "client")["listen"])
     assert network.rendezvous in str(session_config(network, ROBOT, "client")["connect"])
 

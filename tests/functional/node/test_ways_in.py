@@ -24,7 +24,7 @@ def test_a_client_comes_in_by_another_port_of_the_door(tmp_path: Path) -> None:
         with pytest.raises(NobodyError):
             next(open_clients(client, ROBOT))
         door = open_session(
-            NetworkConfig(mode="fixed", rendezvous=further, sockets=str(tmp_path / "robot")), ROBOT, visits=True
+            NetworkConfig(mode="fixed", rendezvous=further, sockets=str(tmp_path / "robot")), ROBOT, "door", visits=True
         )
         try:
             _, session = next(open_clients(client, ROBOT))

@@ -144,7 +144,9 @@ def test_a_robot_of_the_same_name_on_the_network_is_refused(command: Command) ->
     settings = (ROOT / "deploy" / "robot.toml").read_text()
     robot_file.write_text(settings.replace("[network]", f'[network]\nconnect = ["{elsewhere}"]'))
     command.environment["GIRAFF_CONFIG"] = str(robot_file)
-    other = RobotConnection(command.robot, open_session(NetworkConfig(rendezvous=elsewhere, local=True), command.robot))
+    other = RobotConnection(
+        command.robot, open_session(NetworkConfig(rendezvous=elsewhere, local=True), command.robot, "door")
+    )
     with other.session.liveliness().declare_token(alive_key(command.robot, "base", "there")):
         code, out, err = command.run("--for", "5", local=False)
     assert other.close()

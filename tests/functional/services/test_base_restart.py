@@ -56,7 +56,7 @@ class Base:
             "STATE_DIRECTORY": f"{self.state}:{directory}",
         }
         self._children = ProcessGroup(directory)
-        self.session = open_session(network, NAME)
+        self.session = open_session(network, NAME, "door")
         self._newest: dict[str, Sample] = {}
         self._subscribers = [self._listen(TICK), self._listen(ESTOP)]
 

@@ -192,7 +192,7 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_links_speak_tls_only(keys: Path) -> None:
     config = session_config(
-        NetworkConfig(mode="secured", connect=("192.0.2.1",), keys=str(keys / "laptop"), access=ACCESS), ROBOT
+        NetworkConfig(mode="secured", connect=("192.0.2.1",), keys=str(keys / "laptop"), access=ACCESS), ROBOT, "door"
     )
     assert config["transport"]["link"]["protocols"] == ["tls"]
     assert config["transport"]["link"]["tls"]["enable_mtls"] is True
@@ -221,7 +221,7 @@ def test_no_rule_that_lets_in_covers_bases_door(keys: Path) -> None:
 def test_missing_keys_are_named_with_the_way_out(tmp_path: Path) -> None:
     network = NetworkConfig(mode="secured", keys=str(tmp_path), access=ACCESS)
     with pytest.raises(ConfigError, match=r"ca\.pem: No such file or directory.*giraff keys host"):
-        session_config(network, ROBOT)
+        session_config(network, ROBOT, "door")
 
 
 @pytest.mark.parametrize(

@@ -44,9 +44,9 @@ def taken(config: dict[str, Any]) -> int:
 @pytest.mark.parametrize(
     ("kind", "size"),
     [
-        ({}, OURS),
+        ({"role": "door"}, OURS),
         ({"role": "client"}, OURS),
-        ({"records": True}, RECORDED),
+        ({"records": True, "role": "outside"}, RECORDED),
         ({"records": True, "role": "client"}, RECORDED),
     ],
     ids=["service", "command", "flight recorder", "giraff record"],

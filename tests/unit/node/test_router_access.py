@@ -68,7 +68,8 @@ def keys(tmp_path: Path) -> Path:
 
 def test_a_host_goes_by_the_name_in_its_bundle(keys: Path) -> None:
     taken = {
-        host: believed(session_config(network(keys / host), ROBOT)["access_control"]) for host in ("robot", "desk")
+        host: believed(session_config(network(keys / host), ROBOT, "door")["access_control"])
+        for host in ("robot", "desk")
     }
     assert taken == {"robot": OPERATORS_KEYS, "desk": {f"giraff/{ROBOT}/**"}}
 
@@ -76,23 +77,23 @@ def test_a_host_goes_by_the_name_in_its_bundle(keys: Path) -> None:
 def test_a_bundle_that_does_not_say_whose_it_is_is_refused_with_the_way_out(keys: Path) -> None:
     (keys / "robot" / BUNDLE_FILE).unlink()
     with pytest.raises(ConfigError, match=r"bundle\.toml.*No such file.*giraff keys host --renew"):
-        session_config(network(keys / "robot"), ROBOT)
+        session_config(network(keys / "robot"), ROBOT, "door")
 
 
 def test_every_peer_of_a_site_dials_the_router_and_tells_its_site(keys: Path) -> None:
-    config = session_config(network(keys / "robot"), ROBOT)
+    config = session_config(network(keys / "robot"), ROBOT, "door")
     assert "tls/router.example.org:7447" in config["connect"]["endpoints"]
     assert config["region_name"] == "home"
 
 
 def test_without_a_router_nothing_is_dialled_and_no_site_told() -> None:
-    config = session_config(NetworkConfig(), ROBOT)
+    config = session_config(NetworkConfig(), ROBOT, "door")
     assert config["connect"]["endpoints"] == ["tcp/127.0.0.1:7447"]
     assert "region_name" not in config
 
 
 def test_a_robot_kept_off_the_network_dials_no_router(keys: Path) -> None:
-    assert "router" not in str(session_config(network(keys / "robot", local=True), ROBOT)["connect"])
+    assert "router" not in str(session_config(network(keys / "robot", local=True), ROBOT, "door")["connect"])
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ def test_a_local_session_stays_on_the_loopback() -> None:
 
 
 def test_a_session_on_the_network_scouts_and_connects() -> None:
-    config = session_config(NetworkConfig(connect=("192.0.2.1",)), ROBOT)
+    config = session_config(NetworkConfig(connect=("192.0.2.1",)), ROBOT, "door")
     assert config["connect"]["endpoints"] == ["tcp/192.0.2.1:7447", "tcp/127.0.0.1:7447"]
     assert config["scouting"]["multicast"]["enabled"] is True
 
