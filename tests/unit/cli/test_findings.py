@@ -343,8 +343,7 @@ def test_doctor_reads_what_only_base_reads(tmp_path: Path) -> None:
 def test_what_is_played_is_a_door_a_run_is_none_and_the_loopback_needs_none() -> None:
     answers = (*(each for each in ROBOT.answers if each.health.service != "door"), answer("play"))
     assert findings(of_robot(services=ROBOT.services | {"door": 0, "play": 1}, answers=answers)) == []
-    missed = findings(of_robot(services=ROBOT.services | {"door": 0, "run": 1}, answers=answers))
-    assert any(one.what.startswith("giraff_door is not running") for one in missed)
+    assert "door" in {one.about for one in findings(of_robot(services=ROBOT.services | {"door": 0, "run": 1}))}
     local = of_robot(services={name: 1 for name in SERVICES if name != "door"}, answers=answers[:-1])
     assert findings(msgspec.structs.replace(local, network=Network(has_doors=False))) == []
 
