@@ -109,6 +109,14 @@ def test_compose_asks_each_part_of_a_simulated_robot_how_it_is() -> None:
     require({*asked[1].split(", ")} == {*SIMULATED}, "docker-compose.yml, at sim,", wanted)
 
 
+def test_the_kernel_knows_each_kind_of_device_that_compose_permits() -> None:
+    conf = (ROOT / "deploy" / "modules-load" / "giraff.conf").read_text()
+    # A comment has a line of its own there, and each module one with the number of its devices before it.
+    loaded = re.findall(r"^# (\d+): \w+\n[\w-]+$", conf, re.MULTILINE)
+    assert loaded
+    assert {*loaded} == {*re.findall(r'"c (\d+):\* ', COMPOSE)}
+
+
 @pytest.mark.parametrize("name", [each.name for each in SERVICES if each.simulated and each.entry == "service"])
 def test_it_is_a_part_of_the_simulated_robot(name: str) -> None:
     made = name.capitalize()
