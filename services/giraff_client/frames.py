@@ -5,10 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Final
 
-import msgspec
 import zenoh
 
 from giraff_client import errors
@@ -16,6 +14,7 @@ from giraff_client.reading import is_fresh, require_finite
 from giraff_core.kinematics import frame_errors as found
 from giraff_core.kinematics.frames import FrameTree
 from giraff_core.kinematics.origin import Origin
+from giraff_node.network.replies import ask_all
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Odometry, RobotTime
@@ -140,22 +139,12 @@ class FrameFinder:
         if self._session is None or now < self._ask_at:
             return
         self._ask_at = now + _ASK_EVERY
-        self._session.get(
-            self._key,
-            self._on_reply,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=_ANSWERED,
-        )
+        ask_all(self._session, self._key, Transform, self._on_frame, _ANSWERED)
 
-    def _on_reply(self, reply: zenoh.Reply) -> None:
-        if reply.ok is None:
-            return
-        with suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):  # of another version
-            told = msgspec.msgpack.decode(bytes(reply.ok.payload), type=Transform)
-            if told.fixed:  # where the robot is, odometry says all the time
-                with self._lock:
-                    self._tree.tell(told)
+    def _on_frame(self, told: Transform) -> None:
+        if told.fixed:  # where the robot is, odometry says all the time
+            with self._lock:
+                self._tree.tell(told)
 
 
 class FrameReader:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
+from operator import itemgetter
 from types import SimpleNamespace
 from typing import Any
 
@@ -117,8 +118,10 @@ class Session:
         """Every key that anybody ever listened to."""
         self.info = SimpleNamespace(peers_zid=list, routers_zid=list)
 
-    def liveliness(self) -> Session:
-        return self
+    def liveliness(self) -> SimpleNamespace:
+        """Of tokens."""
+        watch = partial(self._declare, self._watchers)
+        return SimpleNamespace(get=self._get_tokens, declare_subscriber=watch, declare_token=self.declare_token)
 
     def put(self, key: str, payload: bytes, *, encoding: str = "") -> None:
         for one in [one for one in self._subscribers if _meet(one.key, key)]:
@@ -128,9 +131,13 @@ class Session:
         """Of samples."""
         return Publisher(self, key, encoding)
 
-    def declare_subscriber(self, key: str, call: Callable[[Any], Any], *, history: bool | None = None) -> Declared:
-        """Of samples; with `history`, which liveliness alone has, of tokens."""
-        among = self._subscribers if history is None else self._watchers
+    def declare_subscriber(self, key: str, call: Callable[[Any], Any]) -> Declared:
+        """Of samples."""
+        return self._declare(self._subscribers, key, call)
+
+    def _declare(
+        self, among: list[Declared], key: str, call: Callable[[Any], Any], *, history: bool = False
+    ) -> Declared:
         among.append(Declared(key, call, among))
         self.subscribed.append(key)
         if history:
@@ -158,32 +165,39 @@ class Session:
     def get(
         self,
         key: str,
-        call: Callable[[Reply], Any],
+        call: Any,
         *,
         timeout: float,
         payload: bytes = b"",
-        target: zenoh.QueryTarget = zenoh.QueryTarget.BEST_MATCHING,
         consolidation: zenoh.ConsolidationMode = zenoh.ConsolidationMode.AUTO,
         **_: Any,
     ) -> None:
-        """Bring tokens to a handler that is told of their end, and answers to a function.
+        """Bring the answers to a function as they come, and at once to a handler that is told of their end.
 
-        All answers come with the last, if not each by itself.
+        As Zenoh does: all answers have the question's key. If not each is brought by itself, only the last of a key
+        is, once nobody is waited for any longer. All are asked, as nobody says that it knows all answers.
         """
-        if isinstance(call, zenoh.handlers.Callback):
-            for token in [token for token in self._tokens if _meet(key, token)]:
-                call.callback(Reply(Sample(token)))
-            assert call.drop is not None
-            call.drop()
-            return
-        asked = [one for one in self._answerers if _meet(one.key, key)]
-        if target != zenoh.QueryTarget.ALL:
-            asked = asked[:1]
-        answers = [one.call(payload) for one in asked]
-        last = max((timeout if answer is None else answer[0] for answer in answers), default=0.0)
-        for answer in answers:
-            if answer is not None:
-                after, data = answer
-                reply = Reply(Sample(key, data))
-                held_back = consolidation != zenoh.ConsolidationMode.NONE
-                self._clock.after(last if held_back else after, partial(call, reply))
+        answers = [one.call(payload) for one in self._answerers if _meet(one.key, key)]
+        ends = max((timeout if answer is None else min(answer[0], timeout) for answer in answers), default=0.0)
+        came = sorted((answer for answer in answers if answer is not None and answer[0] <= timeout), key=itemgetter(0))
+        if consolidation != zenoh.ConsolidationMode.NONE:
+            came = [(ends, data) for _, data in came[-1:]]
+        for after, data in came:
+            reply = Reply(Sample(key, data))
+            if isinstance(call, zenoh.handlers.Callback):
+                call.callback(reply)
+            else:
+                self._clock.after(after, partial(call, reply))
+        _end(call)
+
+    def _get_tokens(self, key: str, call: Any, *, timeout: float) -> None:
+        del timeout
+        for token in [token for token in self._tokens if _meet(key, token)]:
+            call.callback(Reply(Sample(token)))
+        _end(call)
+
+
+def _end(call: Any) -> None:
+    """Tell a handler that no more replies come."""
+    if isinstance(call, zenoh.handlers.Callback) and call.drop is not None:
+        call.drop()

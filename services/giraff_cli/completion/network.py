@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
-from collections.abc import Iterator, Sequence
-from typing import Any
-
-import msgspec
-import zenoh
+from collections.abc import Sequence
 
 from giraff_node.network.discovery import resolve_target
-from giraff_node.network.replies import gather_replies
+from giraff_node.network.replies import gather_answers
 from giraff_node.network.session import open_session
 from giraff_node.network.tokens import find_tokens, list_robots
 from giraff_schemas.codec import encode, encoding_of
@@ -36,30 +31,16 @@ def asked(source: str, robot: str | None, connect: Sequence[str], word: str, dea
         services = [token.service for token in find_tokens(session, alive_key(whose), within)]
         return [each for each in services if source == "services" or each in ANSWERING]
     if source == "published":
-        healths = _answers(session, health_key(whose), Health, within)
+        healths = gather_answers(session, health_key(whose), Health, within)
         return [key for health in healths for key in health.publishes]
     service = word.partition(".")[0]
     query = PARAM_DESCRIBE.at(service) if service in ANSWERING else PARAM_DESCRIBE
     at = f"{ROOT}/{whose}/{query.key}"
-    told = _answers(
-        session, at, ParamAnswer, within, payload=encode(ParamDescribe()), encoding=encoding_of(ParamDescribe)
-    )
+    request = {"payload": encode(ParamDescribe()), "encoding": encoding_of(ParamDescribe)}
+    told = gather_answers(session, at, ParamAnswer, within, **request)
     return [
         param.name if param.name.startswith("robot.") else f"{answer.service}.{param.name}"
         for answer in told
         for param in answer.params
         if source == "params" or param.live != "fixed"
     ]
-
-
-def _answers(session: zenoh.Session, key: str, kind: type[Any], within: float, **request: Any) -> Iterator[Any]:
-    """Yield what all who answer at a key say, within this many seconds."""
-    ask: dict[str, Any] = {
-        "target": zenoh.QueryTarget.ALL,
-        "consolidation": zenoh.ConsolidationMode.NONE,
-        "timeout": within,
-    }
-    for reply in gather_replies(lambda handler: session.get(key, handler, **ask, **request), within):
-        with contextlib.suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
-            if reply.ok is not None:
-                yield msgspec.msgpack.decode(bytes(reply.ok.payload), type=kind)

@@ -13,6 +13,7 @@ import zenoh
 from giraff_cli.doctor.inspection import Geometry, GeometryInUse, HealthReply, Rate, Robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_node import robot_now_ns
+from giraff_node.network.replies import ask_all
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.health import Health
@@ -76,19 +77,7 @@ class HealthClient:
         """Ask all; whoever answers within so many seconds is heard."""
         asked_ns = time.time_ns()
 
-        def on_reply(reply: zenoh.Reply) -> None:
-            now_ns = time.time_ns()
-            if reply.ok is not None:
-                with suppress(msgspec.MsgspecError):  # of another version: that it does not answer is told
-                    self._take(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health), asked_ns, now_ns)
-
-        self._session.get(
-            self._key,
-            on_reply,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=within,
-        )
+        ask_all(self._session, self._key, Health, lambda health: self._take(health, asked_ns, time.time_ns()), within)
 
     @property
     def answers(self) -> tuple[HealthReply, ...]:
@@ -116,26 +105,16 @@ class GeometryClient:
         there = {each.health.instance for each in running if each.health.service in _CONFIGURED}
         if there and there <= self._told.keys():
             return
-        self._session.get(
-            self._key,
-            self._on_reply,
-            payload=encode(ParamDescribe()),
-            encoding=encoding_of(ParamDescribe),
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=within,
-        )
+        request = {"payload": encode(ParamDescribe()), "encoding": encoding_of(ParamDescribe)}
+        ask_all(self._session, self._key, ParamAnswer, self._take, within, **request)
 
     @property
     def answers(self) -> tuple[GeometryInUse, ...]:
         """One a process."""
         return tuple(sorted(self._told.values(), key=lambda each: (each.service, each.host)))
 
-    def _on_reply(self, reply: zenoh.Reply) -> None:
-        if reply.ok is None:
-            return
+    def _take(self, answer: ParamAnswer) -> None:
         with suppress(msgspec.MsgspecError):  # of another version, which is told by its health
-            answer = msgspec.msgpack.decode(bytes(reply.ok.payload), type=ParamAnswer)
             if geometry := geometry_in(answer):
                 self._told[answer.instance] = geometry
 

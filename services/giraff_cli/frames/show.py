@@ -5,12 +5,8 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Final, NamedTuple
-
-import msgspec
-import zenoh
 
 from giraff_cli.frames.picture import draw
 from giraff_cli.frames.tree import Frames, dot, faults_of, pose_text, tree_of
@@ -21,6 +17,7 @@ from giraff_cli.terminal.page import Page, print_json
 from giraff_cli.terminal.signals import StopSignal
 from giraff_core.kinematics.frame_errors import FrameError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
+from giraff_node.network.replies import ask_all
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.frames import Transform
 from giraff_schemas.text import printable_lines
@@ -73,21 +70,9 @@ def _ask(connection: RobotConnection, stopping: StopSignal) -> list[Transform]:
     """What is told, each frame once for each parent; by name. Raises NoRobotError."""
     GraphMonitor(connection).wait_for_robot(stopping)
     answers: deque[Transform] = deque()
-
-    def on_reply(reply: zenoh.Reply) -> None:
-        if reply.ok is not None:
-            with suppress(msgspec.MsgspecError):  # of another version
-                answers.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Transform))
-
     deadline = time.monotonic() + _SETTLED + _ASK_EVERY
     while time.monotonic() < deadline and not stopping.asked:
-        connection.session.get(
-            frame_key(connection.robot),
-            on_reply,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=_SETTLED,
-        )
+        ask_all(connection.session, frame_key(connection.robot), Transform, answers.append, _SETTLED)
         stopping.wait(_ASK_EVERY)
     return sorted({(told.child, told.parent): told for told in answers}.values(), key=lambda told: told.child)
 

@@ -11,6 +11,7 @@ from typing import Final
 import msgspec
 import zenoh
 
+from giraff_node.network.replies import ask_all
 from giraff_node.process.state import state_directory, write_file_durably
 from giraff_schemas.health import Health, WebPage
 from giraff_schemas.services import WEB
@@ -48,25 +49,16 @@ class PageKeeper:
     def ask(self, session: zenoh.Session, robot: str) -> None:
         """Ask where the pages are. Each answer is written by a thread of its own: a disk may hang."""
 
-        def on_reply(reply: zenoh.Reply) -> None:
-            with contextlib.suppress(ValueError, RecursionError):  # of another version
-                if reply.ok is not None:
-                    health = msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
-                    if health.page is not None:
-                        self._take(robot, health.page)
-                    elif health.service == WEB.name:  # it has just begun, and does not listen yet
-                        self._ask_later(session, robot)
+        def on_health(health: Health) -> None:
+            if health.page is not None:
+                self._take(robot, health.page)
+            elif health.service == WEB.name:  # it has just begun, and does not listen yet
+                self._ask_later(session, robot)
 
         self._questions += 1
         if self._questions <= _MOST_QUESTIONS:
             with contextlib.suppress(zenoh.ZError):
-                session.get(
-                    health_key(robot, WEB.name),
-                    on_reply,
-                    target=zenoh.QueryTarget.ALL,
-                    consolidation=zenoh.ConsolidationMode.NONE,
-                    timeout=_ANSWER_WITHIN,
-                )
+                ask_all(session, health_key(robot, WEB.name), Health, on_health, _ANSWER_WITHIN)
 
     def wait(self, within: float) -> None:
         """Wait `within` s at most for what is being written."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable
-from contextlib import suppress
 from typing import Any, Final
 
 import msgspec
-import zenoh
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.header_subscriber import HeaderSubscriber
@@ -18,6 +16,7 @@ from giraff_cli.network.topic_keys import intersects, is_declared
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
+from giraff_node.network.replies import ask_all
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.health import Health
 from giraff_schemas.messages import Sample
@@ -205,19 +204,8 @@ class GraphMonitor:
                 return
 
     def _ask(self) -> None:
-        def on_reply(reply: zenoh.Reply) -> None:
-            if reply.ok is not None:
-                with suppress(msgspec.MsgspecError):  # of another version
-                    self._answers.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health))
-
-        self._connection.session.get(
-            health_key(self.robot_graph.robot),
-            on_reply,
-            # Two processes of one service answer to one key, and none of them waits for another.
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=_ANSWER_WITHIN,
-        )
+        key = health_key(self.robot_graph.robot)
+        ask_all(self._connection.session, key, Health, self._answers.append, _ANSWER_WITHIN)
 
 
 def is_listened_to(publisher: Any) -> bool:

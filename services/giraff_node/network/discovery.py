@@ -6,7 +6,6 @@ very host; for any other a person says yes (`consent`).
 
 from __future__ import annotations
 
-import contextlib
 import os
 import re
 import socket
@@ -24,7 +23,7 @@ from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings, expects_robot_file, read
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.replies import gather_replies
+from giraff_node.network.replies import gather_answers
 from giraff_node.network.tokens import REPLY_WITHIN, Token, list_robots, robots_of, watch_tokens
 from giraff_schemas.health import Health
 from giraff_schemas.services import BASE, PLAY
@@ -226,15 +225,8 @@ def require_consent(session: zenoh.Session, robot: str, line: str) -> None:
 
 def host_of(session: zenoh.Session, robot: str) -> str:
     """The host of its base, or of what else of it answers; empty: that is not known."""
-    hosts: dict[bool, str] = {}
-    key, all_ = health_key(robot), zenoh.QueryTarget.ALL
-    for reply in gather_replies(
-        lambda handler: session.get(key, handler, target=all_, timeout=REPLY_WITHIN), REPLY_WITHIN
-    ):
-        with contextlib.suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
-            if reply.ok is not None:
-                health = msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
-                hosts[health.service == BASE.name] = health.host
+    healths = gather_answers(session, health_key(robot), Health, REPLY_WITHIN)
+    hosts = {health.service == BASE.name: health.host for health in healths}
     return hosts.get(True) or hosts.get(False) or ""
 
 

@@ -258,4 +258,6 @@ class RosNode:
                 if reply.ok is not None and str(reply.ok.key_expr).startswith(f"@/{process}/"):
                     self._replies.append((process, now, time.monotonic()))
 
-            self._session.get(f"@/{process}/*", on_reply, timeout=_ANSWERS_WITHIN)
+            self._session.get(
+                f"@/{process}/*", on_reply, timeout=_ANSWERS_WITHIN, consolidation=zenoh.ConsolidationMode.NONE
+            )

@@ -220,7 +220,12 @@ def test_a_latched_text_is_read_late_and_a_subscriber_is_seen(port: int, node: R
 
 def test_a_call_is_answered_with_its_own_number(port: int, node: RosNode) -> None:
     with closing(Stranger(port)) as stranger:
-        everything = stranger.session.get("0/**", attachment=Attachment(1, 1, bytes(16)).encode(), timeout=1.0)
+        everything = stranger.session.get(
+            "0/**",
+            attachment=Attachment(1, 1, bytes(16)).encode(),
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=1.0,
+        )
         assert not list(everything)
         assert not list(node.calls())  # a wildcard asks everybody, and calls nobody
         asked = Attachment(41, 1, bytes(range(16)))

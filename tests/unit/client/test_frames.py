@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 import pytest
+import zenoh
 
 import giraff_client.frames
 from giraff_client import (
@@ -71,9 +72,12 @@ class Scene:
         for at in [at for at in self.at_time if at <= self.now]:
             self.at_time.pop(at)()
 
-    def get(self, key: str, on_reply: Callable[[Any], None], **_: Any) -> None:
+    def get(
+        self, key: str, on_reply: Callable[[Any], None], *, consolidation: Any = zenoh.ConsolidationMode.AUTO, **_: Any
+    ) -> None:
         self.asked.append(key)
-        for answer in self.answers:
+        is_each = consolidation == zenoh.ConsolidationMode.NONE  # else Zenoh brings the last answer of a key
+        for answer in self.answers if is_each else self.answers[-1:]:
             on_reply(answer)
 
     def read_odom(self) -> None:

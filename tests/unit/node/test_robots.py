@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -13,8 +14,10 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import discovery as robots
 from giraff_node.network import tokens
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import RobotMonitor, find_robot, others, resolve_target
-from giraff_schemas.topics import alive_key
+from giraff_node.network.discovery import RobotMonitor, find_robot, host_of, others, resolve_target
+from giraff_schemas.codec import encode
+from giraff_schemas.health import Health
+from giraff_schemas.topics import alive_key, health_key
 from tests.rules.repository import ROOT
 from tests.support.one_process import Clock, Session
 
@@ -197,3 +200,17 @@ def test_of_several_one_must_be_named(network: Network, at_door: bool, moment: f
         with pytest.raises(NoRobotError, match=f"several robots are on the network; name one: {names}"):
             find_robot(network.ours, "", 10.0, at_door=at_door)
     later.__exit__(None, None, None)
+
+
+@pytest.mark.parametrize("order", [("base", "ranger", "joystick"), ("joystick", "base", "ranger")])
+def test_the_host_of_a_robot_is_its_base_s_whoever_answers_last(order: tuple[str, ...]) -> None:
+    session = Session(Clock())
+
+    def answer(service: str, _: bytes) -> tuple[float, bytes]:
+        host = "desk-of-ann" if service == "joystick" else f"{service}-s"
+        health = Health(service=service, instance="i", host=host, pid=1, uptime=1.0, ok=True, faults=())
+        return order.index(service) * 0.01, encode(health)
+
+    for service in order:
+        session.answer(health_key(ONE, service), partial(answer, service))
+    assert host_of(cast(zenoh.Session, session), ONE) == "base-s"
