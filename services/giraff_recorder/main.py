@@ -9,14 +9,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-import msgspec
-import zenoh
-
 from giraff_mcap.metadata import metadata_of
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
 from giraff_node import Node, Timer
+from giraff_node.network.replies import ask_all
 from giraff_node.network.tokens import Token, watch_tokens
 from giraff_node.process.state import state_directory
 from giraff_recorder.config import RecorderConfig
@@ -31,6 +29,7 @@ _AT_ONCE: Final = 2000
 """Samples that one turn writes: the loop goes on turning meanwhile."""
 _MOST_WAITING: Final = 200
 """Words of services between two turns: on an open network anybody may send more."""
+_ANSWER_WITHIN: Final = 2.0  # s
 _FOLDER: Final = "incidents"
 
 
@@ -77,16 +76,11 @@ class Others:
         for _ in range(len(self._healths)):
             incidents.on_health(self._healths.popleft(), now)
         if ask:
-            self._node.session.get(health_key(self._node.robot.name), self._on_reply, timeout=2.0)
+            ask_all(self._node.session, health_key(self._node.robot.name), Health, self._healths.append, _ANSWER_WITHIN)
 
     def _on_token(self, token: Token, present: bool) -> None:
         if not present:
             self._gone.append(token.service)
-
-    def _on_reply(self, reply: zenoh.Reply) -> None:
-        if reply.ok is not None:
-            with suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):  # of another version
-                self._healths.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health))
 
 
 def tell_of(sample: RawSample, robot: str, incidents: IncidentDetector) -> None:

@@ -25,6 +25,10 @@ _FOREIGN_SHARE: Final = 0.25
 """Part of the memory that samples of other keys keep. They may use more while the robot's own leave it free."""
 _SERIES: Final = 7 * 86_400.0
 """s before the newest file in which the first file of a kind is kept."""
+_PROCESSES: Final = 8
+"""Processes of one service whose faults are remembered: a restart is another one, and two may run at once."""
+_QUESTIONS: Final = 3.0
+"""Questions that a process may leave unanswered until its faults count as gone with it."""
 _ARMED_LATELY: Final = 2.0  # s
 _LONGEST_TEXT: Final = 1000
 """Characters of an event: a stop has two texts of others, and a service may have many faults."""
@@ -130,7 +134,8 @@ class IncidentDetector:
         self._engaged: bool | None = None
         self._board: tuple[bool, str] | None = None
         self._armed_at = float("-inf")
-        self._unwell: dict[str, str] = {}
+        self._faults: dict[str, dict[str, tuple[float, tuple[str, ...]]]] = {}
+        """By service and process: when it has answered last, and its faults. The newest answer comes last."""
         self._events: dict[str, tuple[float, str]] = {}
         """The first of each kind that no file has yet: kind -> when, and what."""
         self._written_at = float("-inf")
@@ -155,12 +160,18 @@ class IncidentDetector:
             self._armed_at = now
 
     def on_health(self, health: Health, now: float) -> None:
-        """What a service says of itself: a fault that it has not had before is an event."""
+        """Take what a process says of itself: a fault that its service did not have before is an event."""
         if health.service not in ANSWERING:
             return  # anybody may answer, and in any name
-        known, self._unwell[health.service] = self._unwell.get(health.service), "; ".join(health.faults)
-        if not health.ok and known is not None and self._unwell[health.service] != known:
-            self._tell(now, "fault", f"{health.service}: {self._unwell[health.service]}")
+        told = self._faults.setdefault(health.service, {})
+        since = now - _QUESTIONS * self._config.health_period
+        known = {fault for at, faults in told.values() if at >= since for fault in faults}
+        if told and not known.issuperset(health.faults):
+            self._tell(now, "fault", f"{health.service}: {'; '.join(health.faults)}")
+        told.pop(health.instance, None)
+        told[health.instance] = now, health.faults
+        if len(told) > _PROCESSES:
+            del told[next(iter(told))]
 
     def on_gone(self, service: str, now: float) -> None:
         """A service's process has left the network."""

@@ -133,6 +133,27 @@ def test_a_service_that_finds_a_fault_in_itself_is_one_and_one_that_had_it_befor
     assert incidents.due(50.0) is None
     incidents.on_health(health("new"), 3.0)
     assert incidents.due(50.0) == Incident("fault", "guard: new", -57_000_000_000)
+    incidents.on_health(health("new", "newer"), 4.0)
+    assert incidents.due(150.0) is not None
+    incidents.on_health(health("newer"), 5.0)
+    assert incidents.due(250.0) is None, "a fault that ends is none"
+
+
+def test_of_two_processes_of_a_service_one_that_is_unwell_all_along_is_none() -> None:
+    incidents = IncidentDetector(CONFIG)
+
+    def hear(now: float, *faults: str) -> None:
+        incidents.on_health(health(*faults), now)
+        incidents.on_health(msgspec.structs.replace(health(), instance="another"), now)
+
+    for now in (0.0, 5.0, 10.0):
+        hear(now, "unplugged")
+    incidents.on_health(msgspec.structs.replace(health("unplugged"), instance="restarted"), 15.0)
+    assert incidents.due(100.0) is None
+    for now in (100.0, 105.0):
+        hear(now)
+    hear(110.0, "unplugged")
+    assert incidents.due(200.0) is not None, "it was well in between"
 
 
 @pytest.mark.parametrize(
