@@ -85,8 +85,14 @@ class ChainState:
         return Link(name=service, standing="missing", text=f"giraff_{service} is not running, or hangs; {how}")
 
     def silent(self, link: str, service: str) -> Link:
-        """Of a service that is there and says nothing."""
-        why = "; ".join(self.observation.faults(service)) or "is on the network and says nothing; it hangs: restart it"
+        """Return the link of a service that is on the network and sends no samples."""
+        if service in self.observation.hung:
+            why = "is on the network and does not answer; it hangs: restart it"
+        elif service in self.observation.unanswered:
+            why = "is on the network and has not answered yet; ask again"
+        else:
+            well = "answers that it is well, and sends nothing; ask again in a few seconds, then restart it"
+            why = "; ".join(self.observation.faults(service)) or well
         return Link(name=link, standing="STOPS", text=f"giraff_{service}: {why}")
 
     def _tilt(self) -> Latest[Tilt] | None:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import time
-from contextlib import suppress
+from collections import deque
 from typing import Final
 
-import msgspec
-import zenoh
 from rich.text import Text
 
 from giraff_cli.network.command import print_error
@@ -19,14 +17,21 @@ from giraff_cli.why.diagnosis import Diagnosis, diagnose
 from giraff_cli.why.observation import Observation
 from giraff_node import robot_now_ns
 from giraff_node.network.discovery import not_found_text
+from giraff_node.network.replies import ask_all
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.health import Health
+from giraff_schemas.services import BASE, GUARD, HANDS, RANGER
 from giraff_schemas.topics import health_key
 
 _DRIVES: Final = 0
 _STOPPED: Final = 1
 _FIRST_WITHIN: Final = 3.0  # s until the first word of a robot that is there
 _LOOK_EVERY: Final = 0.05  # s
+_BY_NAME_AFTER: Final = 0.5  # s without an answer to the question to all; then a service is asked by its own name
+_HANGS_AFTER: Final = 2.0  # s without an answer to that
+_JUDGED: Final = frozenset({BASE.name, GUARD.name, RANGER.name, *HANDS})
+"""Services of the chain. No other one is waited for."""
+_MOST_ANSWERS: Final = 1000  # that are kept; on an open network anybody may answer
 _STYLES: Final[dict[Standing, str]] = {
     "ok": "green",
     "limits": "yellow",
@@ -51,7 +56,7 @@ def explain(connection: RobotConnection, seconds: float, *, as_json: bool) -> in
 
 
 def listen(connection: RobotConnection, seconds: float) -> Observation:
-    """What is heard within `seconds` of the first word."""
+    """Return what is heard within `seconds` of the first word. A service that does not answer is waited for longer."""
     observation = Observation(connection.robot)
     connection.subscribe_all()
     first_by = time.monotonic() + _FIRST_WITHIN
@@ -60,17 +65,25 @@ def listen(connection: RobotConnection, seconds: float) -> Observation:
         connection.dispatch(observation)
     if observation.empty:
         return observation
-    healths: list[Health] = []
-
-    def on_reply(reply: zenoh.Reply) -> None:
-        if reply.ok is not None:
-            with suppress(msgspec.MsgspecError):  # of another version: what its samples say is enough
-                healths.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health))
-
-    connection.session.get(health_key(connection.robot), on_reply, timeout=seconds)
-    time.sleep(seconds)
-    connection.dispatch(observation)
-    observation.health = list(healths)
+    healths: deque[Health] = deque(maxlen=_MOST_ANSWERS)
+    asked: dict[str, float] = {}  # by name: when
+    now = time.monotonic()
+    by_name_at, until = now + _BY_NAME_AFTER, now + seconds
+    ask_all(connection.session, health_key(connection.robot), Health, healths.append, seconds + _HANGS_AFTER)
+    while True:
+        time.sleep(min(_LOOK_EVERY, until - now) if now < until else _LOOK_EVERY)
+        now = time.monotonic()
+        connection.dispatch(observation)
+        observation.health = list(healths)
+        silent = observation.unanswered & _JUDGED
+        if now >= by_name_at:
+            for service in silent - asked.keys():
+                asked[service] = now
+                key = health_key(connection.robot, service)
+                ask_all(connection.session, key, Health, healths.append, _HANGS_AFTER)
+        observation.hung = frozenset(each for each in silent if now - asked.get(each, now) >= _HANGS_AFTER)
+        if now >= until and (silent == observation.hung or now >= until + _HANGS_AFTER):
+            break
     observation.now_ns = robot_now_ns()
     return observation
 

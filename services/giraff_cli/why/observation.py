@@ -21,6 +21,8 @@ class Observation(LatestSamples):
         super().__init__()
         self.robot = robot
         self.health: list[Health] = []
+        self.hung: frozenset[str] = frozenset()
+        """Services that were asked by their own name and did not answer in time."""
         self.now_ns = 0
         """The end of the listening."""
 
@@ -45,6 +47,11 @@ class Observation(LatestSamples):
             return math.inf
         then_ns = tick.sample.robot_ns + (tick.age - heard.age) * 1e9
         return max(0.0, (then_ns - moment.robot_ns) * 1e-9)
+
+    @property
+    def unanswered(self) -> frozenset[str]:
+        """Services that are on the network and have not answered."""
+        return self.alive - {health.service for health in self.health}
 
     def faults(self, service: str) -> tuple[str, ...]:
         """Return what the processes of a service say is wrong, with them or elsewhere; nothing without an answer."""

@@ -72,6 +72,7 @@ class Scene:
         self.sent: dict[tuple[str, str], Sent] = {}
         self.alive = set(SERVICES)
         self.health: list[Health] = []
+        self.hung: frozenset[str] = frozenset()
         self.put(topics.TICK, Tick(epoch=EPOCH, robot_ns=NOW), "b")
         self.put(topics.TILT, tilt(), HAND)
         self.put(topics.OPERATOR_CMD_VEL, command(), HAND, "joystick")
@@ -107,13 +108,18 @@ class Scene:
         self.health.append(Health(service=service, instance="0", host="h", pid=1, uptime=1.0, ok=False, faults=(what,)))
         return self
 
+    def hang(self, service: str, *topics: Topic[Any]) -> Scene:
+        """A service that is there, does not answer, and is not heard on `topics`."""
+        self.hung = frozenset({service})
+        return self.drop(*topics)
+
     def diagnosis(self) -> Diagnosis:
         observation = Observation("otto")
         for (key, _), (topic, _, sample, maker) in self.sent.items():
             observation.on_sample(topic, key, stamped(sample, 0, 0, maker), NOW)
         for service in self.alive:
             observation.on_liveliness(service, service, present=True)
-        observation.health = self.health
+        observation.health, observation.hung = self.health, self.hung
         observation.now_ns = NOW + 10 * MS
         return diagnose(observation)
 
@@ -174,15 +180,24 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
         "giraff_ranger is not running, or hangs; start it on the machine",
     ),
     "hung joystick": (
-        lambda s: s.drop(topics.TILT, topics.OPERATOR_CMD_VEL),
+        lambda s: s.hang("joystick", topics.TILT, topics.OPERATOR_CMD_VEL),
         "operator",
-        "giraff_joystick: is on the network and says nothing; it hangs: restart it",
+        "giraff_joystick: is on the network and does not answer; it hangs: restart it",
     ),
-    "hung guard": (lambda s: s.drop(topics.GUARD, topics.LEASE), "guard", "giraff_guard: is on the network and says"),
+    "hung guard": (
+        lambda s: s.hang("guard", topics.GUARD, topics.LEASE),
+        "guard",
+        "giraff_guard: is on the network and does not answer; it hangs",
+    ),
+    "late guard": (
+        lambda s: s.drop(topics.GUARD, topics.LEASE),
+        "guard",
+        "giraff_guard: is on the network and has not answered yet; ask again",
+    ),
     "hung base": (
-        lambda s: s.drop(topics.TICK, topics.BASE, topics.ESTOP, topics.WHEELS),
+        lambda s: s.hang("base", topics.TICK, topics.BASE, topics.ESTOP, topics.WHEELS),
         "base",
-        "giraff_base: is on the network and says nothing",
+        "giraff_base: is on the network and does not answer",
     ),
     "no base any more": (
         lambda s: (
