@@ -32,7 +32,7 @@ _LOST: Final = {
     "idle": "neither finger, key, stick nor phone has moved for 1 s",
     "stalled": "the page stood still for a moment",
     "left": "the page was closed",
-    "gamepad": "the gamepad is not heard",
+    "gamepad": "the gamepad is not heard, or no hand moves it",
 }
 
 

@@ -84,7 +84,8 @@ class LetGo(_FromPage, frozen=True, kw_only=True, tag="let_go"):
     """Goes on counting the wishes."""
     why: Literal["finger", "cancelled", "hidden", "focus", "turned", "idle", "stalled", "left", "gamepad"]
     """`cancelled`: the browser took the touch for itself; `idle`: 1 s without an event; `stalled`: the page stood
-    still; `turned`: the screen; `left`: the page is being closed; `gamepad`: the one that held is not heard."""
+    still; `turned`: the screen; `left`: the page is being closed; `gamepad`: the one that held is not heard, or no
+    hand moves it."""
 
 
 class Stop(_FromPage, frozen=True, kw_only=True, tag="stop"):

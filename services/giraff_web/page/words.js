@@ -12,29 +12,34 @@ const ENDED = {
   stalled: "this page stood still for a moment",
   left: "the page was left",
   lost: "the link was lost",
-  gamepad: "the gamepad is not heard",
+  gamepad: "the gamepad is not heard, or no hand moves it",
   centre: "the stick was not centred",
 };
 const AGAIN = {
   tilt: "let go, then hold again",
   pad: "let go, then hold again",
   keys: "let go of the keys, then press again",
-  gamepad: "let go of LB and RB, centre the stick, then hold again",
+  gamepad: "let go of the shoulder buttons, centre the stick, then hold again",
 };
 const HOW = {
   tilt: "Hold the phone flat, put a finger on the field, then tilt",
   pad: "Put a finger on the pad and drag",
   keys: "Press an arrow key or W, A, S, D",
-  gamepad: "Hold LB or RB, then move the left stick",
+  gamepad: "Hold an upper shoulder button, then move the left stick",
 };
-const TAKE = { tilt: "hold the field", pad: "hold the pad", keys: "press a drive key", gamepad: "hold LB or RB" };
+const TAKE = {
+  tilt: "hold the field",
+  pad: "hold the pad",
+  keys: "press a drive key",
+  gamepad: "hold an upper shoulder button",
+};
 const ADDRESS = "To drive, open the address that the robot’s page service shows now.";
 const SEE = "see that the robot may move, then {release}";
 const ARM = {
   tilt: "hold the field and keep the phone flat",
   pad: "hold the pad without dragging",
   keys: "let go of the keys",
-  gamepad: "hold LB or RB with the stick centred",
+  gamepad: "hold an upper shoulder button with the stick centred",
 };
 
 export const DEGREES = 180 / Math.PI;

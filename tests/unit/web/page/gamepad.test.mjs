@@ -3,19 +3,23 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Gamepads, padText, read, stickShare } from "../../../../services/giraff_web/page/gamepad.js";
+import { Gamepads, SWAPS, padText, read, stickShare } from "../../../../services/giraff_web/page/gamepad.js";
 import { EVENT_FRESH, IDLE } from "../../../../services/giraff_web/page/hand.js";
 import { page } from "./pages.mjs";
 
-const [B, LB, RB, OTHER] = [1, 4, 5, 9];
+const [BOTTOM, RIGHT, LEFT, TOP, LB, RB, OTHER] = [0, 1, 2, 3, 4, 5, 9];
 const BUTTONS = 17;
+const TRIGGER = 6;
 const PLAIN = { index: 0, id: "Plain", mapping: "standard", connected: true };
 
 /** A gamepad as a browser tells of it: x to the right, y down. */
-const pad = ({ down = [], x = 0, y = 0, other = 0, ...named } = {}) => ({
+const pad = ({ down = [], x = 0, y = 0, other = 0, beyond = [], trigger = 0, ...named } = {}) => ({
   ...PLAIN,
-  axes: [x, y, other, 0],
-  buttons: Array.from({ length: BUTTONS }, (_, n) => ({ pressed: down.includes(n), value: Number(down.includes(n)) })),
+  axes: [x, y, other, 0, ...beyond],
+  buttons: Array.from({ length: BUTTONS }, (_, n) => ({
+    pressed: down.includes(n),
+    value: n === TRIGGER ? trigger : Number(down.includes(n)),
+  })),
   ...named,
 });
 
@@ -134,8 +138,81 @@ test("1 s in which nothing of it moves ends a hold that asks, whatever its time 
 test("a hand that trembles drives on, and a centred stick may rest", () => {
   const desk = driving();
   desk.frames(3 * IDLE * 60, AHEAD);
-  desk.frames(3 * IDLE * 60, { down: [RB] }, false);
+  desk.frames(4 * SWAPS * 60, { down: [RB] }, false);
   assert.equal(desk.hold, 1);
+  desk.frame(pad(AHEAD));
+  assert.deepEqual([desk.hold, desk.p.last.forward], [1, 1], "and is pushed again at once");
+});
+
+/** One step of an 8-bit stick. */
+const STEP = 1 / 127;
+/** Pairs between which a gamepad that nobody touches may swap: a stick, a trigger, and beside the edge of what asks. */
+const PAIRS = [
+  [{}, { y: STEP - 1 }],
+  [{}, { x: STEP }],
+  [{}, { other: STEP }],
+  [{}, { trigger: STEP }],
+  [{ y: -0.25 }, { y: -0.25 - STEP }],
+  [{ y: -0.25 }, { y: -1 }],
+];
+
+test("a gamepad that only swaps between two values of one axis is no hand after 3 s, however fast or far", () => {
+  assert.equal(SWAPS, 3);
+  for (const pair of PAIRS) {
+    for (const every of [1, 17, 50]) {
+      const desk = driving();
+      const states = pair.map((state) => ({ ...AHEAD, ...state }));
+      const swap = (frame) => desk.frame(pad(states[Math.floor(frame / every) % 2]));
+      const told = `${JSON.stringify(pair)}, each ${every} frames`;
+      for (let frame = 0; frame < SWAPS * 60 - 9; frame += 1) swap(frame);
+      assert.equal(desk.hold, 1, told);
+      for (let frame = SWAPS * 60 - 9; frame < SWAPS * 60 + every + 9; frame += 1) swap(frame);
+      assert.deepEqual([desk.hold, desk.p.hand.ended], [0, "gamepad"], told);
+    }
+  }
+});
+
+test("two axes that swap may be a hand, and so may one with a third value in each 3 s", () => {
+  const both = ({ odd }) => (odd ? { x: STEP, y: STEP - 1 } : {});
+  const third = ({ odd, frame }) => (frame % 170 ? { x: odd * STEP } : { x: -STEP });
+  for (const at of [both, third]) {
+    const desk = driving();
+    for (let frame = 0; frame < 60 * 60; frame += 1) desk.frame(pad({ ...AHEAD, ...at({ frame, odd: frame % 2 }) }));
+    assert.equal(desk.hold, 1);
+  }
+});
+
+test("what is no part of the standard layout is no hand: a gyro as a further axis", () => {
+  const desk = driving();
+  for (let frame = 0; frame < IDLE * 60 + 4; frame += 1) desk.frame(pad({ ...AHEAD, beyond: [Math.sin(frame)] }));
+  assert.deepEqual([desk.hold, desk.p.hand.ended], [0, "idle"]);
+});
+
+/** What a thumb with a tremor of 8 to 12 Hz says on an 8-bit stick: `size` steps on the way `angle`. */
+function thumb(way, size, angle, seconds) {
+  const tremble = size * STEP * Math.sin(2 * Math.PI * (10 * seconds + 0.8 * Math.sin(2.3 * seconds)));
+  const said = (value) => Math.max(-1, Math.min(1, Math.round(value / STEP) * STEP));
+  const [x, y] = way(seconds);
+  return { down: [RB], x: said(x + tremble * Math.cos(angle)), y: said(y + tremble * Math.sin(angle)) };
+}
+
+test("a thumb on an 8-bit stick loses no hold in 60 s, held with a tremor or drawn away slowly", () => {
+  const ways = {
+    half: () => [0, -0.6],
+    "between two steps": () => [0.5 * STEP, -60.5 * STEP],
+    "at the rim": () => [0.02, -1.1],
+    "slowly back": (seconds) => [0, -0.9 + 0.01 * seconds],
+  };
+  for (const [name, way] of Object.entries(ways)) {
+    for (const size of [2, 3, 4]) {
+      for (const angle of [0, 0.3, Math.PI / 4, Math.PI / 2]) {
+        if (name === "at the rim" && angle === Math.PI / 2) continue; // there the stick says nothing of it
+        const desk = driving();
+        for (let frame = 0; frame < 60 * 60; frame += 1) desk.frame(pad(thumb(way, size, angle, frame / 60)));
+        assert.equal(desk.hold, 1, `${name}, ${size} steps at ${angle}: ${desk.p.hand.ended}`);
+      }
+    }
+  }
 });
 
 test("what ends every hold ends this one: out of focus, hidden, stopped; the switch is lifted first", () => {
@@ -182,28 +259,32 @@ test("it drives only where it was chosen", () => {
   assert.equal(desk.hold, 0);
 });
 
-test("B stops at each press, whatever was chosen, also as the press by which the browser first tells of it", () => {
-  const desk = new Desk({ input: "keys", may: false });
-  desk.frames(9, { down: [B] });
-  assert.equal(desk.stops, 1);
-  desk.frame();
-  desk.frame(pad({ down: [B, OTHER] }));
-  assert.equal(desk.stops, 2);
+test("each of the four buttons on the right stops at each press, also as the press by which the browser tells of it", () => {
+  for (const button of [BOTTOM, RIGHT, LEFT, TOP]) {
+    const desk = new Desk({ input: "keys", may: false });
+    desk.frames(9, { down: [button] });
+    assert.equal(desk.stops, 1, `button ${button}`);
+    desk.frame();
+    desk.frame(pad({ down: [button, OTHER] }));
+    assert.equal(desk.stops, 2);
+    desk.frame(pad({ down: [button, (button + 1) % 4] }));
+    assert.equal(desk.stops, 3, "beside one that is down or stuck");
+  }
 });
 
 test("the field says what to hold, or why there is no gamepad to hold", () => {
-  assert.match(padText([null, pad()]), /^Hold LB or RB/);
+  assert.match(padText([null, pad()]), /^Hold an upper shoulder button, .* Any of the four round buttons on the right stops\.$/);
   assert.match(padText([null]), /^No gamepad is heard: plug it in/);
   assert.match(padText([pad({ mapping: "", id: "Old" })]), /does not know the buttons of Old, and none of them stops: use another/);
 });
 
 test("a stop counts beside a stick that says no number, and no hold begins while it is down", () => {
   const desk = new Desk();
-  desk.frame(pad({ down: [B], x: NaN }));
+  desk.frame(pad({ down: [TOP], x: NaN }));
   assert.deepEqual([desk.stops, desk.hold], [1, 0]);
   const other = new Desk();
-  other.frame(pad({ down: [B, LB] }));
-  other.frame(pad({ down: [B, LB], y: -1 }));
+  other.frame(pad({ down: [BOTTOM, LB] }));
+  other.frame(pad({ down: [BOTTOM, LB], y: -1 }));
   assert.deepEqual([other.stops, other.hold], [1, 0]);
   other.frame(pad({ down: [LB] }));
   assert.equal(other.hold, 0, "the switch was pressed for a stop");

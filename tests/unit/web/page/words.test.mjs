@@ -40,7 +40,7 @@ test("why: the first of what is between the hand and the robot", () => {
   assert.equal(why({ refused: "begin neutral", ended: "idle" }), "Begin neutral");
   assert.match(why({ ended: "stalled", state: { ...state, why: "not armed" } }), /stood still.*let go/);
   assert.match(why({ ended: "focus", input: "keys" }), /let go of the keys/);
-  assert.match(why({ ended: "gamepad", input: "gamepad" }), /the gamepad is not heard: let go of LB and RB, centre/);
+  assert.match(why({ ended: "gamepad", input: "gamepad" }), /the gamepad is not heard, or no hand moves it: let go of the shoulder buttons, centre/);
   assert.equal(why({ hold: 2, state: { ...state, why: "not armed" } }), "Not armed");
   assert.equal(why({ hold: 2 }), "The robot obeys.");
   assert.match(why({ ended: "finger" }), /^Put a finger/);
