@@ -111,7 +111,7 @@ def ask(place: Place, *, off: bool = False) -> Answer:
         certificate = hashlib.sha256(connection.sock.getpeercert(binary_form=True) or b"").hexdigest()
         peer = Place(*connection.sock.getpeername()[:2])
         answer = None
-        for at in dict.fromkeys((place, peer)):  # a name that the page does not know is refused; its address is not
+        for at in dict.fromkeys((place, peer)):  # off is refused under a name that the page does not know
             connection.request("POST", path, headers={"Host": str(at), "User-Agent": "giraff estop"})
             response = connection.getresponse()
             robot = response.headers.get("Giraff-Robot", "")

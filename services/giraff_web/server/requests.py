@@ -36,6 +36,8 @@ _CONTENT: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; manifest-src 'self'; "
     "connect-src 'self' wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
+_STOP: Final = "POST", "/stop"
+_NOT_CALLED_SO: Final = "this service is not called so; open the address that the page service shows"
 _TOLD_OF_STOP: Final = ("engaged", "off", "id", "by", "reason", "engaged_ns", "instance")
 """Fields of base's word that confirm a stop."""
 
@@ -84,7 +86,7 @@ class Requests:
             ("GET", "/"): self._index,
             ("POST", "/session"): self._session,
             ("GET", "/ws"): self._page,
-            ("POST", "/stop"): self._stop,
+            _STOP: self._stop,
             ("GET", "/ca.crt"): self._certificate,
         }
 
@@ -110,9 +112,11 @@ class Requests:
         return answer
 
     async def _answer(self, request: web.BaseRequest) -> Answer:
-        host = self._host(request)
-        if not host:
-            return _refusal(403, "this service is not called so; open the address that the page service shows")
+        # A stop harms nobody, whatever name a router or a former start has given this host.
+        is_stop = (request.method, request.path) == _STOP
+        host = request.headers.get("Host", "") if is_stop else self._host(request)
+        if not (host or is_stop):
+            return _refusal(403, _NOT_CALLED_SO)
         if request.headers.get("Origin", f"https://{host}") != f"https://{host}":
             return _refusal(403, "another page asks this; open the address that the page service shows")
         if request.headers.get("Content-Encoding"):
@@ -150,8 +154,14 @@ class Requests:
         return web.Response(body=self._authority, content_type="application/x-x509-ca-cert")
 
     async def _stop(self, request: web.BaseRequest) -> Answer:
-        """Ask for it, and confirm it where base does so in time. A body, if there is one, is not waited for."""
-        word = await self._pages.stop(_device(request), str(request.remote), off="off" in request.query)
+        """Ask for it, and confirm it where base does so in time. A body, if there is one, is not waited for.
+
+        A page elsewhere may have its name lead here, and then asks for no more than a stop.
+        """
+        off, is_own = "off" in request.query, bool(self._host(request))
+        word = await self._pages.stop(_device(request), str(request.remote), off=off and is_own)
+        if off and not is_own:
+            return _refusal(403, f"the stop is asked for, and off is not: {_NOT_CALLED_SO}")
         if word is None:
             return web.json_response({"asked": True}, status=202)
         return web.json_response({"asked": True, "estop": {name: getattr(word, name) for name in _TOLD_OF_STOP}})

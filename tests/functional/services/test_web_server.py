@@ -10,6 +10,7 @@ from pathlib import Path
 import aiohttp
 import pytest
 
+from giraff_web.limits import Limits
 from giraff_web.messages import LetGo, PageWish, Reset
 from giraff_web.pages import Closed, Opened, Said, StopAsked
 from giraff_web.server.host import Ask, ask, sockets
@@ -91,14 +92,17 @@ def test_what_is_no_session_request_is_told(tmp_path: Path) -> None:
     trying(tmp_path, course)
 
 
-def test_another_page_and_another_name_are_refused(tmp_path: Path) -> None:
+def test_another_page_is_refused_and_under_another_name_only_a_stop_is_taken(tmp_path: Path) -> None:
     async def course(it: Desk) -> None:
         port = it.server.port
-        bad: tuple[dict[str, str], ...] = (
+        other_page: tuple[dict[str, str], ...] = (
             {"Origin": "https://evil.example"},
             {"Origin": "null"},
             {"Origin": f"http://{HOST}:{port}"},
             {"Origin": f"https://{HOST}:{port + 1}"},
+            {"Host": "vm.fritz.box", "Origin": "https://evil.example"},
+        )
+        other_name: tuple[dict[str, str], ...] = (
             {"Host": "evil.example"},
             {"Host": f"evil.example:{port}", "Origin": f"https://evil.example:{port}"},
             {"Host": "[::"},
@@ -109,19 +113,31 @@ def test_another_page_and_another_name_are_refused(tmp_path: Path) -> None:
             {"Host": "DESK"},
         )
         async with browser(it) as session:
-            for headers in bad:
-                for method, path in (("GET", "/"), ("POST", "/stop"), ("POST", "/session"), ("GET", "/ws")):
+            for headers in (*other_page, *other_name):
+                stop = "/stop" if headers in other_page else "/stop/"
+                asked = ("GET", "/"), ("GET", "/stop"), ("GET", "/ca.crt"), ("POST", stop), ("POST", "/session")
+                for method, path in (*asked, ("GET", "/ws")):
                     async with session.request(method, it.url + path, headers=headers) as answer:
                         assert answer.status == 403, (method, path, headers)
                 with pytest.raises(aiohttp.WSServerHandshakeError):
                     await session.ws_connect(f"{it.url}/ws", headers=headers)
             for headers in good:
-                async with session.post(f"{it.url}/stop", headers=headers) as answer:
+                async with session.post(f"{it.url}/stop?off", headers=headers) as answer:
                     assert answer.status == 202
-        await it.until(lambda: len(it.of(StopAsked)) == len(good))
+            for headers in other_name:
+                async with session.post(f"{it.url}/stop", headers=headers) as answer:
+                    assert (answer.status, await answer.json()) == (202, {"asked": True})
+                    told_names = [name for name in answer.headers if "Cookie" in name or "Access-Control" in name]
+                    assert told_names == []
+                    assert "evil" not in str(answer.headers)
+                async with session.post(f"{it.url}/stop?off", headers=headers) as answer:
+                    assert answer.status == 403, "whoever wants off asks again at the address"
+                    assert (await answer.json())["why"].startswith("the stop is asked for, and off is not: ")
+        await it.until(lambda: len(it.of(StopAsked)) == len(good) + 2 * len(other_name))
+        assert [stop.off for stop in it.of(StopAsked)] == [True] * len(good) + [False] * 2 * len(other_name)
         assert it.of(Opened) == []
 
-    trying(tmp_path, course)
+    trying(tmp_path, course, limits=Limits()._replace(stops=Limits().stops._replace(patience=0.01)))
 
 
 def test_each_answer_keeps_the_page_to_itself(tmp_path: Path) -> None:
