@@ -23,7 +23,7 @@ class Limits(NamedTuple):
     """As they are; tests have shorter times."""
 
     bare: Allowance = Allowance(128, 32, 2.0)
-    """TCP connections that have sent nothing yet. Each costs a socket."""
+    """TCP connections that have sent nothing yet, or plain HTTP. Each costs a socket."""
     handshakes: Allowance = Allowance(64, 24, 3.0)
     """TLS handshakes under way. Each costs some 0.3 MB."""
     connections: Allowance = Allowance(240, 60, 5.0)

@@ -2,8 +2,8 @@
 
 asyncio's own server says nothing of who calls before TLS is agreed on, and aiohttp's waits for a first request for
 ever. So connections are taken here. Each is in one of three crowds, which take no room from each other: it has sent
-nothing, its TLS handshake is under way, or it has agreed on TLS. So a crowd that asks nothing keeps no STOP out, and a
-request that is under way is never sent away.
+nothing or plain HTTP, its TLS handshake is under way, or it has agreed on TLS. So a crowd that asks nothing keeps no
+STOP out, and a request that is under way is never sent away.
 """
 
 from __future__ import annotations
@@ -23,6 +23,14 @@ _GOODBYE: Final = 1.0  # s that the other side has to close its side
 _AFTER_TROUBLE: Final = 0.2  # s; no descriptor was free
 _HANDSHAKE: Final = b"\x16"
 """First byte of each TLS connection."""
+_METHODS: Final = b"CDGHOPT"
+"""First letters of the methods of HTTP, which a browser speaks where somebody types no https."""
+_LONGEST: Final = 16_384
+"""Bytes of plain HTTP that are read at most."""
+_PLAIN: Final = (
+    "HTTP/1.1 400 Bad Request\r\n"
+    "Content-Type: text/plain\r\nContent-Length: {length}\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n{line}"
+)
 
 
 class Guarded(asyncio.Protocol):
@@ -43,6 +51,8 @@ class Guarded(asyncio.Protocol):
         self.transport: asyncio.BaseTransport | None = None
         self.opening: asyncio.Task[None] | None = None
         self.crowd: Crowd[Guarded] | None = None
+        self.unread = _LONGEST
+        """Bytes of plain HTTP that may still come."""
 
     def end(self) -> None:
         """At once, whatever waits to be written."""
@@ -154,7 +164,33 @@ class Doorman:
         if first == _HANDSHAKE and self._move(guarded, self.handshakes):
             self._loop.remove_reader(guarded.connection)
             guarded.opening = asyncio.create_task(self._open(guarded))
+        elif first and first in _METHODS:
+            self._refuse_plain(guarded)
         else:
+            guarded.end()
+
+    def _refuse_plain(self, guarded: Guarded) -> None:
+        """Tell the address with https. It is of this socket: the request may name any host."""
+        connection = guarded.connection
+        self._loop.add_reader(connection, self._read_out, guarded)
+        try:
+            address = f"{in_address(guarded.own_address)}:{connection.getsockname()[1]}"
+            line = f"This page speaks https: open https://{address}/\n"
+            connection.send(_PLAIN.format(length=len(line), line=line).encode())
+            connection.shutdown(socket.SHUT_WR)
+        except OSError:
+            guarded.end()
+
+    def _read_out(self, guarded: Guarded) -> None:
+        """Read until the caller closes it: bytes that nobody reads reset a connection, and its answer is lost."""
+        try:
+            data = guarded.connection.recv(_LONGEST)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        guarded.unread -= len(data)
+        if not data or guarded.unread <= 0:
             guarded.end()
 
     async def _open(self, guarded: Guarded) -> None:
@@ -188,6 +224,11 @@ class Doorman:
             await asyncio.sleep(_LOOK)
             for crowd in self._crowds:
                 crowd.end_late(self._loop.time())
+
+
+def in_address(name: str) -> str:
+    """Return it as it stands in a web address: an IPv6 address in brackets."""
+    return f"[{name}]" if ":" in name else name
 
 
 def _address(asked: Callable[[], Any]) -> str:

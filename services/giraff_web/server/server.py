@@ -25,7 +25,7 @@ from giraff_web.messages import Hello, Looking, OpenPages, Refused, State
 from giraff_web.pages import Closed, Event, Opened, StopAsked
 from giraff_web.server.certificates import Certificate
 from giraff_web.server.connection import ENDED, LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
-from giraff_web.server.doorman import Doorman
+from giraff_web.server.doorman import Doorman, in_address
 from giraff_web.server.host import Answer, Ask, HostSocket, serve
 from giraff_web.server.requests import Requests
 from giraff_web.server.stop_answers import StopAnswers
@@ -318,7 +318,7 @@ class Server:
         self._tell_addresses()
 
     def _tell_addresses(self) -> None:
-        where = [f"https://{_in_address(name)}:{self.port}/#{self.token}" for name in self._site.reached_at]
+        where = [f"https://{in_address(name)}:{self.port}/#{self.token}" for name in self._site.reached_at]
         # A terminal that does not take its text holds up nothing but this.
         threading.Thread(target=self._announce, args=(where,), name="addresses", daemon=True).start()
 
@@ -342,7 +342,3 @@ def _why_not(config: WebConfig, error: OSError) -> str:
     if error.errno in (errno.EACCES, errno.EPERM):
         return f"port {config.port} is for root only; set [web] port to one above 1023"
     return f"port {config.port}: {error.strerror or error}; set [web] port"
-
-
-def _in_address(name: str) -> str:
-    return f"[{name}]" if ":" in name else name

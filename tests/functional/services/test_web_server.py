@@ -203,6 +203,62 @@ def test_what_the_library_refuses_gets_a_clear_word_and_no_line_in_the_log(
     assert caplog.records == []
 
 
+PLAIN = "HTTP/1.1 400 Bad Request"
+
+
+@pytest.mark.parametrize(
+    ("sent", "answer"),
+    [
+        ([b"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n"], PLAIN),
+        ([b"POST /stop HTTP/1.1\r\nContent-Length: 9\r\n\r\n", b"x" * 9], PLAIN),
+        ([b"G"], PLAIN),
+        ([b"GET / HTTP/1.1\r\nX: ", *[b"x" * 4000] * 3], PLAIN),
+        ([b"SSH-2.0-x\r\n"], ""),
+        ([b"\x00GET / HTTP/1.1\r\n\r\n"], ""),
+    ],
+    ids=["get", "post", "torn", "large", "ssh", "binary"],
+)
+def test_plain_http_is_told_the_address_in_one_line(tmp_path: Path, sent: list[bytes], answer: str) -> None:
+    async def course(it: Desk) -> None:
+        reader, writer = await asyncio.open_connection(HOST, it.server.port)
+        with contextlib.suppress(ConnectionError):  # what speaks neither is cut
+            for part in sent:
+                writer.write(part)
+                await writer.drain()
+                await asyncio.sleep(0.01)  # in a packet of its own
+        heard = b""
+        with contextlib.suppress(ConnectionError):
+            heard = await asyncio.wait_for(reader.read(), 20.0)
+        head, _, body = heard.decode().partition("\r\n\r\n")
+        assert head.partition("\r\n")[0] == answer
+        assert body == (f"This page speaks https: open {it.url}/\n" if answer else "")
+        assert "evil" not in head
+        doorman = it.server._doorman
+        assert doorman is not None
+        await it.until(lambda: len(doorman) == 0)  # though the caller keeps it open
+        writer.close()
+        assert (it.events, it.log) == ([], [])
+
+    bare = Limits().bare._replace(patience=0.2)
+    trying(tmp_path, course, limits=Limits()._replace(bare=bare))
+
+
+def test_plain_http_that_goes_on_for_ever_is_cut(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        _, writer = await asyncio.open_connection(HOST, it.server.port)
+
+        async def flood() -> None:
+            while True:
+                writer.write(b"G" * 65536)
+                await writer.drain()
+
+        with pytest.raises(ConnectionError):
+            await flood()
+        writer.close()
+
+    trying(tmp_path, course, limits=Limits()._replace(bare=Limits().bare._replace(patience=600.0)))
+
+
 def test_a_request_that_is_none_leaves_no_line_in_the_log(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     async def course(it: Desk) -> None:
         context = ssl.create_default_context(cadata=it.authority.decode())
