@@ -33,7 +33,7 @@ _VERBS: Final = ("engage", "reset", "status")
 
 def engage_each(names: Sequence[str], robot: str | None, *how: Any, **more: Any) -> int:
     """Stop the robots of these names at once, beside each other; none: as `engage_by_plan`. The worst exit code."""
-    named = dict.fromkeys([*([robot] if robot else []), *names])
+    named: list[str] = list(dict.fromkeys([*([robot] if robot else []), *names]))
 
     def stop(each: str | None) -> int:
         return engage_by_plan(each, *how, is_word=each in names, **more)
