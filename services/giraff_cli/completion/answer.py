@@ -21,6 +21,7 @@ _SOURCES: Final = {
     ("param", "names"): "params",
     ("node", "service"): "services",
     ("go", "goal"): "files",
+    **dict.fromkeys((("stop", "robots"), ("estop", "robots")), "robots"),
 }
 """By verb and parameter: what its values are. A robot is one wherever it is asked for."""
 

@@ -80,6 +80,9 @@ def _health() -> bytes:
     ("words", "told"),
     [
         ("topic echo --robot |", ["otto", "sim-test"]),
+        ("stop |", ["otto", "sim-test"]),
+        ("estop engage otto s|", ["sim-test"]),
+        ("estop r|", ["reset"]),
         ("topic echo --robot=s|", ["--robot=sim-test"]),
         ("topic echo --robot = s|", ["sim-test"]),
         ("topic echo |", ["maker/arm", "odom"]),
