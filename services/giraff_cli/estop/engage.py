@@ -200,7 +200,8 @@ def tell(result: client.Result, *, as_json: bool = False) -> int:
     """
     out = sys.stderr if result.code >= UNUSABLE and not as_json else sys.stdout
     try:
-        print(json_line(result._asdict()) if as_json else printable_lines(result.text), file=out, flush=True)
+        line = json_line(result._asdict()) if as_json else printable_lines(result.text)
+        print(f"{line}\n", end="", file=out, flush=True)  # at once: beside it, another robot's stop may be told
     except OSError:
         if out is sys.stdout:
             discard_stdout()

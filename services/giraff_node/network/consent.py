@@ -52,7 +52,7 @@ def options(names: Sequence[str]) -> str:
 def tell(text: str) -> None:
     """Print to standard error. A closed output ends no command, least of all a stop."""
     with contextlib.suppress(OSError):
-        print(printable(f"giraff: {text}"), file=sys.stderr, flush=True)
+        print(printable(f"giraff: {text}") + "\n", end="", file=sys.stderr, flush=True)  # two threads may tell
 
 
 def _placed(name: str, host: str) -> str:
