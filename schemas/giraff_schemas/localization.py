@@ -150,7 +150,7 @@ class MapWalls(Sample, frozen=True, kw_only=True):
     walls: tuple[tuple[float, float, float, float], ...]
     """m; from x, y to x, y, in `map`."""
     free: FreeCells | None = None
-    """Where the robot can stand, by its own size; None: there is no map."""
+    """Cells in which a robot of this size can stand. None: there is no map."""
 
     def __post_init__(self) -> None:
         for wall in self.walls:

@@ -62,7 +62,7 @@ class BasePolicy:
 
     @property
     def hears_board(self) -> bool:
-        """Whether reports of the board come over the serial link that is open now."""
+        """Return True if the board reports over the serial link that is open now."""
         return self._reported_ns is not None
 
     @property

@@ -57,7 +57,7 @@ class Localized:
         self._pose, self._heard = pose, now
 
     def hear_map(self, plan: MapWalls) -> None:
-        """Take the floor plan."""
+        """Keep the newest floor plan: goals are judged by it."""
         self._map = plan
 
     def hear_odometry(self, odometry: Odometry) -> None:

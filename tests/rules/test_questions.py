@@ -19,7 +19,7 @@ OF_ALL = {"health_key": 2, "frame_key": 2}
 
 
 def is_of_several(key: ast.expr) -> bool:
-    """Whether a key has a wildcard by what is written there; of a name that is not known."""
+    """Return True if the source shows that this key has a wildcard. A variable does not show it."""
     match key:
         case ast.Call(func=ast.Attribute(attr="at")):
             return False

@@ -119,7 +119,7 @@ class Session:
         self.info = SimpleNamespace(peers_zid=list, routers_zid=list)
 
     def liveliness(self) -> SimpleNamespace:
-        """Of tokens."""
+        """Return the calls that have to do with tokens."""
         watch = partial(self._declare, self._watchers)
         return SimpleNamespace(get=self._get_tokens, declare_subscriber=watch, declare_token=self.declare_token)
 
@@ -128,11 +128,11 @@ class Session:
             one.call(Sample(key, payload, encoding))
 
     def declare_publisher(self, key: str, *, encoding: str, **_: Any) -> Publisher:
-        """Of samples."""
+        """Publish samples."""
         return Publisher(self, key, encoding)
 
     def declare_subscriber(self, key: str, call: Callable[[Any], Any]) -> Declared:
-        """Of samples."""
+        """Hear samples."""
         return self._declare(self._subscribers, key, call)
 
     def _declare(

@@ -28,9 +28,19 @@ class StopUnlessTold(TyperGroup):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the verb in front of names and options. Without a word, a person stops the robot, a program gets help."""
-        if args[0] not in {*self.commands, "-h", "--help"} if args else _is_terminal(ctx):
-            args = [_STOP, *(args[1:] if args[:1] == ["stop"] else args)]
+        if args[:1] not in (["-h"], ["--help"]) and (args or _is_terminal(ctx)):
+            at = self._verb_at(args)
+            args = [_STOP, *args] if at is None else [args[at], *args[:at], *args[at + 1 :]]
         return super().parse_args(ctx, args)
+
+    def _verb_at(self, args: list[str]) -> int | None:
+        """Return the place of the first verb, also behind options and names. An option's value is none."""
+        parameters = [each for command in self.commands.values() for each in command.params]
+        with_value = {word for each in parameters if not getattr(each, "is_flag", True) for word in each.opts}
+        words = zip(args, ["", *args], strict=False)
+        return next(
+            (at for at, (word, last) in enumerate(words) if word in self.commands and last not in with_value), None
+        )
 
 
 def _is_terminal(ctx: Any) -> bool:

@@ -50,7 +50,7 @@ class StopConfirmation:
 
     @property
     def is_off(self) -> bool:
-        """Whether each base that has confirmed tells that its stop is off, and reaches its board."""
+        """Return True if each base that has confirmed tells that its stop is off, and reaches its board."""
         states = [self._stated.get(instance) for instance in self._answers]
         return bool(states) and all(state is not None and state.off for state in states) and not self.note
 

@@ -91,7 +91,7 @@ class EStopClient(QueryClient[EStopEngage, EStopAnswer]):
 
     @property
     def is_off(self) -> bool:
-        """Whether each base that has confirmed tells that its stop is off, and reaches its board."""
+        """Return True if each base that has confirmed tells that its stop is off, and reaches its board."""
         return self._confirmation.is_off
 
     @property

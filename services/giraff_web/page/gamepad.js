@@ -8,7 +8,7 @@ import { write } from "./panel.js";
 /** Buttons of the standard mapping, which goes by position. The letter on each depends on the maker. */
 const STOPS = [0, 1, 2, 3];
 const SWITCHES = [4, 5];
-/** How many axes and buttons that mapping has. Further ones, as of a gyro, tell nothing of a hand. */
+/** Number of axes and buttons of that mapping. Further ones, as a gyro's, tell nothing of a hand. */
 const AXES = 4;
 const BUTTONS = 17;
 /** s. A gamepad that only swaps between two values of one axis for so long is in no hand: it may be out of reach. */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import Any
 
 import pytest
@@ -24,6 +25,15 @@ WAYS: tuple[tuple[str, tuple[str | None, ...]], ...] = (
     ("estop --robot anne", ("anne",)),
     ("stop anne otto anne", ("anne", "otto")),
     ("estop otto --robot anne", ("anne", "otto")),
+    ("stop stop", (ALL,)),
+    ("estop STOP", (ALL,)),
+    ("estop engage engage", (ALL,)),
+    ("estop --timeout 1 engage", (ALL,)),
+    ("estop --robot=anne stop", ("anne",)),
+    ("estop --robot anne engage", ("anne",)),
+    ("estop anne engage otto", ("anne", "otto")),
+    ("estop --reason reset anne", ("anne",)),
+    ("stop ''", (ALL,)),
 )
 
 
@@ -40,14 +50,20 @@ def test_whoever_types_a_stop_stops(
 
     monkeypatch.setattr(engage, "engage_by_plan", stop)
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
-    code, out, err = typed(monkeypatch, capsys, *words.split())
+    code, out, err = typed(monkeypatch, capsys, *shlex.split(words))
     assert (code, out, err) == (1 if "otto" in robots else 0, "", "")
     assert {*asked} == {*robots}
     assert len(asked) == len(robots)
 
 
-@pytest.mark.parametrize("words", ["estop", "estop --help", "estop stop --help", "estop reset now", "estop anne --of"])
-def test_a_program_without_a_terminal_and_a_question_for_help_stop_nothing(
+@pytest.mark.parametrize(
+    "words",
+    [
+        *("estop", "estop --help", "estop stop --help", "estop reset now", "estop anne --of"),
+        *("estop otto reset", "estop --off reset", "estop --robot otto --off status"),
+    ],
+)
+def test_another_verb_a_question_for_help_and_a_program_without_a_terminal_stop_nothing(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: str
 ) -> None:
     monkeypatch.setattr(engage, "engage_by_plan", lambda *_, **__: pytest.fail("it stops"))

@@ -188,7 +188,7 @@ test("what is no part of the standard layout is no hand: a gyro as a further axi
   assert.deepEqual([desk.hold, desk.p.hand.ended], [0, "idle"]);
 });
 
-/** What a thumb with a tremor of 8 to 12 Hz says on an 8-bit stick: `size` steps on the way `angle`. */
+/** Return the axes of an 8-bit stick in a thumb that trembles at 8 to 12 Hz: `size` steps on the way `angle`. */
 function thumb(way, size, angle, seconds) {
   const tremble = size * STEP * Math.sin(2 * Math.PI * (10 * seconds + 0.8 * Math.sin(2.3 * seconds)));
   const said = (value) => Math.max(-1, Math.min(1, Math.round(value / STEP) * STEP));
