@@ -28,14 +28,14 @@ from giraff_schemas.text import meant, printable_lines
 
 _LOOK: Final = 0.05  # s
 _HINT_AFTER: Final = 1.0  # s; a robot that is there has mostly confirmed by then
-_VERBS: Final = ("reset", "status", "engage", "stop")
 _SAID_TWICE: Final = ("stop", "engage")
+_VERBS: Final = ("reset", "status", *_SAID_TWICE)
 
 
 def engage_each(names: Sequence[str], robot: str | None, *how: Any, **more: Any) -> int:
     """Stop the robots of these names at once, beside each other; none: as `engage_by_plan`. The worst exit code.
 
-    A person who is frightened says it twice: `stop` and `engage` are no names.
+    A person in a hurry may say it twice, so `stop` and `engage` are not taken for names.
     """
     names = [each for each in names if each.strip() and each.lower() not in _SAID_TWICE]
     named: list[str] = list(dict.fromkeys([*([robot] if robot else []), *names]))

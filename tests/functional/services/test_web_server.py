@@ -225,7 +225,6 @@ def test_plain_http_is_told_the_address_in_one_line(tmp_path: Path, sent: list[b
             for part in sent:
                 writer.write(part)
                 await writer.drain()
-                await asyncio.sleep(0.01)  # in a packet of its own
         heard = b""
         with contextlib.suppress(ConnectionError):
             heard = await asyncio.wait_for(reader.read(), 20.0)
