@@ -13,10 +13,10 @@ from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from tests.hosts.clone import clone, write_env
-from tests.hosts.machine import BIN, LabError, Machine, run
+from tests.hosts.machine import BIN, LabError, Machine, later, run
 from tests.rules.repository import ROOT
 
 KEPT: Final = ROOT / "build" / "hosts"
@@ -46,7 +46,7 @@ class Images:
 
     def __init__(self) -> None:
         self._end = ExitStack()
-        self._builder = Machine("builder", KEPT / "builder", own_network=False)
+        self._builder = Machine("builder", KEPT / "builder", own_network=False, is_urgent=False)
         self._disk = self._builder.directory / "docker"
         self._pool = ThreadPoolExecutor()
         self._work: Future[None] | None = None
@@ -143,7 +143,7 @@ class Images:
         name = f"giraff-stand-in:{hashlib.sha256(made_of.encode()).hexdigest()[:16]}"
         if not self._builder.docker("images", "--quiet", name).strip():
             environment = os.environ | {"PATH": BIN, "DOCKER_HOST": self._builder.socket}
-            run([str(_STAND_IN), name, *packages], within=_BUILD_WITHIN, env=environment)
+            _run_later([str(_STAND_IN), name, *packages], env=environment)
         return name
 
 
@@ -154,11 +154,15 @@ def _wheels(place: Path, locks: list[str]) -> Path:
     collect = [*download, "--no-index", "--find-links", str(_WHEELS), "--dest", str(place)]
     _WHEELS.mkdir(parents=True, exist_ok=True)
     try:
-        run(collect, within=_BUILD_WITHIN, cwd=ROOT)
+        _run_later(collect, cwd=ROOT)
     except LabError:
-        run([*download, "--dest", str(_WHEELS)], within=_BUILD_WITHIN, cwd=ROOT)
-        run(collect, within=_BUILD_WITHIN, cwd=ROOT)
+        _run_later([*download, "--dest", str(_WHEELS)], cwd=ROOT)
+        _run_later(collect, cwd=ROOT)
     return place
+
+
+def _run_later(command: list[str], **options: Any) -> None:
+    run(later(command), _BUILD_WITHIN, start_new_session=True, **options)
 
 
 def _fingerprint(place: Path) -> str:

@@ -19,6 +19,10 @@ COMPOSE: Final = "/usr/bin/docker-compose"
 _CGROUPS: Final = Path("/sys/fs/cgroup")
 _TCP: Final = "net.ipv4.tcp_congestion_control=reno"
 _CGROUP: Final = "giraff-hosts"
+_URGENT: Final = 10240
+"""Share of the processor, where a process has 1024: a machine stands for several of a host of its own."""
+_LATER: Final = 64
+"""Share that is less than any process that somebody waits for, and more than those at nice 19."""
 _BOOT_WITHIN: Final = 60.0  # s
 
 
@@ -37,15 +41,28 @@ def run(command: list[str], within: float = 60.0, **options: Any) -> str:
     return done.stdout
 
 
-class Machine:
-    """Off, once made. `directory` is its disk: the daemon's files stay there while it is off."""
+def later(command: list[str]) -> list[str]:
+    """Return the command line of a program that keeps no other waiting. It must be started in a session of its own.
 
-    def __init__(self, name: str, directory: Path, *, own_network: bool = True) -> None:
+    The kernel weighs sessions against each other before it asks how nice their processes are.
+    """
+    return ["sh", "-c", 'echo 19 >/proc/self/autogroup; exec nice -n 19 "$@"', "sh", *command]
+
+
+class Machine:
+    """Off, once made. `directory` is its disk: the daemon's files stay there while it is off.
+
+    `is_urgent`: False where what it does must not keep the others waiting.
+    """
+
+    def __init__(self, name: str, directory: Path, *, own_network: bool = True, is_urgent: bool = True) -> None:
         self.name = name
         self.directory = directory
         directory.mkdir(parents=True, exist_ok=True)
         self.socket = f"unix://{directory}/docker.sock"
         self._own_network = own_network
+        self._is_urgent = is_urgent
+        self._cgroup = _CGROUP if is_urgent else f"{_CGROUP}-later"
         self._supply: subprocess.Popen[bytes] | None = None
         self._first = 0
         self._daemon: subprocess.Popen[bytes] | None = None
@@ -94,9 +111,11 @@ class Machine:
         command = ["dockerd", "--data-root", str(data), "-H", self.socket, "--log-level", "warn"]
         # Containers take the host's network, and the host has no other.
         command += ["--bridge=none", "--iptables=false", "--ip6tables=false", "--ip-forward=false"]
-        command += ["--cgroup-parent", f"/{_CGROUP}/{self.name}"]
-        _give_weight(_CGROUP)
-        _give_weight(f"{_CGROUP}/{self.name}")
+        command += ["--cgroup-parent", f"/{self._cgroup}/{self.name}"]
+        for group in (self._cgroup, f"{self._cgroup}/{self.name}"):
+            _give_weight(group, _URGENT if self._is_urgent else _LATER)
+        if not self._is_urgent:
+            command = later(command)
         with (self.directory / "dockerd.log").open("ab") as log:
             self._daemon = self.start(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
 
@@ -125,7 +144,7 @@ class Machine:
             self._daemon.wait()
         self._supply = self._daemon = None
         self._first = 0
-        _remove_cgroups(self.name)
+        _remove_cgroups(self._cgroup, self.name)
 
     def start(self, command: list[str], **options: Any) -> subprocess.Popen[Any]:
         """Start a program on it. It ends with the machine's power."""
@@ -171,28 +190,30 @@ def _has_ended(pid: int) -> bool:
     return state == "Z"
 
 
-def _give_weight(group: str) -> None:
-    """As on a host of its own, where each container stands beside the Docker daemon: here a machine's are one group,
-    and all machines' are one, which would share what a single process of this machine gets.
+def _give_weight(group: str, shares: int) -> None:
+    """Weigh a group of processes against others.
+
+    On a host of its own each container stands beside the Docker daemon. Here a machine's are one group, and all
+    machines' are one, which would share what a single process of this machine gets.
     """
     controller = _CGROUPS / "cpu"
     if controller.is_dir():  # cgroups 1; in 2 a group's weight is counted against groups, not against processes
         place = controller / group
         place.mkdir(exist_ok=True)
-        (place / "cpu.shares").write_text("10240")
+        (place / "cpu.shares").write_text(str(shares))
 
 
-def _remove_cgroups(name: str) -> None:
+def _remove_cgroups(group: str, name: str) -> None:
     """What a killed daemon leaves; a cgroup is empty a moment after its last process."""
     deadline = time.monotonic() + _BOOT_WITHIN
     for root in (_CGROUPS, *_CGROUPS.glob("*/")):
-        ours = root / _CGROUP / name
-        for path in (*sorted(ours.rglob("*/"), reverse=True), ours, root / _CGROUP):
+        ours = root / group / name
+        for path in (*sorted(ours.rglob("*/"), reverse=True), ours, root / group):
             while path.is_dir():
                 try:
                     path.rmdir()
                 except OSError as error:
-                    if path.name == _CGROUP:
+                    if path.name == group:
                         break  # other machines are in it
                     if time.monotonic() > deadline:
                         raise LabError(f"{path}: {error}") from error

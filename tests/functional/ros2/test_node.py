@@ -27,6 +27,7 @@ from giraff_ros2.topics import CMD_VEL, ESTOP, ESTOP_ENGAGED, ODOM, ROBOT_DESCRI
 DEFINITIONS = Definitions("kilted")
 DRIVE = DEFINITIONS.encode(Twist(Vector3(0.25, 0.0, 0.0), Vector3(0.0, 0.0, 0.0)), CMD_VEL.type)
 WITHIN = 10.0  # s; a busy machine
+BLOCK = zenoh.CongestionControl.BLOCK
 
 
 def free_port() -> int:
@@ -156,7 +157,8 @@ def test_who_publishes_is_known_heard_and_asked(port: int, node: RosNode) -> Non
             (DRIVE[:-1], sent.encode()),
             (bytes(100_000), sent.encode()),
         ]:
-            stranger.session.put(key(CMD_VEL), payload, attachment=attachment)
+            # A put that may be dropped is, where the machine is busy for 1 ms and the message needs two batches.
+            stranger.session.put(key(CMD_VEL), payload, attachment=attachment, congestion_control=BLOCK)
         until(lambda: take(node, heard) == 4)
         first, *refused = heard
         assert isinstance(first, Received)
