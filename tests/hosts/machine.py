@@ -20,9 +20,9 @@ _CGROUPS: Final = Path("/sys/fs/cgroup")
 _TCP: Final = "net.ipv4.tcp_congestion_control=reno"
 _CGROUP: Final = "giraff-hosts"
 _URGENT: Final = 10240
-"""Share of the processor, where a process has 1024: a machine stands for several of a host of its own."""
+"""Share of the processor for a machine. A single process has 1024, and a machine runs several."""
 _LATER: Final = 64
-"""Share that is less than any process that somebody waits for, and more than those at nice 19."""
+"""Share for work that nobody waits for. A process at nice 19 has 15."""
 _BOOT_WITHIN: Final = 60.0  # s
 
 
@@ -42,7 +42,7 @@ def run(command: list[str], within: float = 60.0, **options: Any) -> str:
 
 
 def later(command: list[str]) -> list[str]:
-    """Return the command line of a program that keeps no other waiting. It must be started in a session of its own.
+    """Return the command line of a program that slows down no other. It must be started in a session of its own.
 
     The kernel weighs sessions against each other before it asks how nice their processes are.
     """
@@ -52,7 +52,7 @@ def later(command: list[str]) -> list[str]:
 class Machine:
     """Off, once made. `directory` is its disk: the daemon's files stay there while it is off.
 
-    `is_urgent`: False where what it does must not keep the others waiting.
+    `is_urgent`: False for a machine that must not slow down the others.
     """
 
     def __init__(self, name: str, directory: Path, *, own_network: bool = True, is_urgent: bool = True) -> None:
@@ -204,7 +204,7 @@ def _give_weight(group: str, shares: int) -> None:
 
 
 def _remove_cgroups(group: str, name: str) -> None:
-    """What a killed daemon leaves; a cgroup is empty a moment after its last process."""
+    """Remove what a killed daemon leaves. A cgroup is empty a moment after its last process."""
     deadline = time.monotonic() + _BOOT_WITHIN
     for root in (_CGROUPS, *_CGROUPS.glob("*/")):
         ours = root / group / name

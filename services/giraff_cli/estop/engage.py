@@ -33,9 +33,10 @@ _VERBS: Final = ("reset", "status", *_SAID_TWICE)
 
 
 def engage_each(names: Sequence[str], robot: str | None, *how: Any, **more: Any) -> int:
-    """Stop the robots of these names at once, beside each other; none: as `engage_by_plan`. The worst exit code.
+    """Stop the robots of these names at the same time, and return the worst exit code.
 
-    A person in a hurry may say it twice, so `stop` and `engage` are not taken for names.
+    Without a name, `engage_by_plan` decides which robots stop. A person in a hurry may say it twice, so `stop` and
+    `engage` are not taken for names.
     """
     names = [each for each in names if each.strip() and each.lower() not in _SAID_TWICE]
     named: list[str] = list(dict.fromkeys([*([robot] if robot else []), *names]))
@@ -117,7 +118,7 @@ class _Stop(threading.Thread):
         self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at, off=off)
         self.tell = partial(tell)
         self.hint = ""
-        """Told once where the robot has not confirmed after a second: its name may be none. Empty: nothing to tell."""
+        """It is told once if the robot has not confirmed after a second: the word may be no name. Empty: no hint."""
         self._code = UNUSABLE
         self._error: BaseException | None = None
 

@@ -157,7 +157,7 @@ def test_who_publishes_is_known_heard_and_asked(port: int, node: RosNode) -> Non
             (DRIVE[:-1], sent.encode()),
             (bytes(100_000), sent.encode()),
         ]:
-            # A put that may be dropped is, where the machine is busy for 1 ms and the message needs two batches.
+            # On a busy machine Zenoh drops a message of two batches after 1 ms, unless it may wait.
             stranger.session.put(key(CMD_VEL), payload, attachment=attachment, congestion_control=BLOCK)
         until(lambda: take(node, heard) == 4)
         first, *refused = heard
