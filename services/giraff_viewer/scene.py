@@ -54,8 +54,9 @@ Wall = tuple[float, float, float, float]
 class Scene:
     """One robot. Times are ns of one clock, that of whoever heard it."""
 
-    def __init__(self, robot: RobotConfig) -> None:
-        self._robot = robot
+    def __init__(self, robot: RobotConfig, note: str = "") -> None:
+        """`note`: stands beside the robot; it says by what the robot is drawn where not by its own word."""
+        self._robot, self._note = robot, note
         self._cones = {sensor: Cone(sensor) for sensor in robot.sensors}
         self._drawn: dict[str, tuple[ConeState, float | None]] = {}
         self._outline = outline(robot.footprint_radius, robot.track_width)
@@ -74,7 +75,7 @@ class Scene:
 
     def begin(self) -> list[Row]:
         """What never changes: frames that are fixed, outlines, the colours of the lines."""
-        upside_up = turned(1.0, 0.0, 0.0, math.pi)
+        upside_up, labels = turned(1.0, 0.0, 0.0, math.pi), [self._note] if self._note else []
         rows: list[Row] = [
             (FLOOR, rr.CoordinateFrame("floor")),
             ("frames/map", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="map")),
@@ -86,7 +87,7 @@ class Scene:
             (f"{FLOOR}/ellipse", rr.CoordinateFrame("odom")),
             (f"{FLOOR}/truth", rr.CoordinateFrame("base_link")),
             (f"{FLOOR}/robot", rr.CoordinateFrame("base_link")),
-            (f"{FLOOR}/robot", rr.LineStrips2D(self._outline, colors=[ROBOT], radii=[0.015])),
+            (f"{FLOOR}/robot", rr.LineStrips2D(self._outline, colors=[ROBOT], radii=[0.015], labels=labels)),
             (f"{HAND}/level", rr.LineStrips2D([arc(1.0, math.tau, 48), arc(0.5, math.tau, 48)], colors=[GREY])),
         ]
         for sensor, pose in self._robot.sensors.items():
@@ -96,6 +97,10 @@ class Scene:
                 (f"{FLOOR}/{frame}", rr.CoordinateFrame(frame)),
             ]
         return rows + _styles(series(tuple(self._robot.sensors)))
+
+    def clear(self) -> list[Row]:
+        """Return what takes the cones away: another scene has other sensors."""
+        return [(f"{FLOOR}/range_{sensor}_link", rr.Clear(recursive=False)) for sensor in self._cones]
 
     def begin_balance(self) -> list[Row]:
         """Return what never changes of a robot that balances."""
@@ -235,7 +240,7 @@ class Scene:
                 level = "WARN" if state in ("fault", "blocked") else "INFO"
                 rows += self._log([(level, f"cone {sensor}: {state}{f', {why}' if why else ''}")])
             self._drawn[sensor] = state, each.distance
-            strips = cone(None if state == "fault" else each.distance)
+            strips = cone(self._robot.model(sensor), None if state == "fault" else each.distance)
             lines = rr.LineStrips2D(strips, colors=[CONES[state]], radii=[0.008])
             rows.append((f"{FLOOR}/range_{sensor}_link", lines))
         return rows

@@ -6,14 +6,10 @@ import math
 from typing import Final
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.sensors import UltrasonicModel
 from giraff_viewer.trail import Point
 
 Strip = list[Point]
-
-HALF_CONE: Final = math.radians(7.5)
-"""rad; an HC-SR04 hears this far off its axis."""
-REACH: Final = 4.0
-"""m; what it reaches."""
 
 NORMAL_95: Final = 1.96
 """Standard deviations to either side within which 95 of 100 numbers lie."""
@@ -33,12 +29,12 @@ def outline(radius: float, track_width: float) -> list[Strip]:
     return [arc(radius, math.tau, 48), nose, *wheels]
 
 
-def cone(distance: float | None) -> list[Strip]:
+def cone(model: UltrasonicModel, distance: float | None) -> list[Strip]:
     """What a sensor looks at, up to what it heard, in the sensor's frame."""
-    length = REACH if distance is None else min(distance, REACH)
-    bearings = [HALF_CONE * (2.0 * ray / _RAYS - 1.0) for ray in range(_RAYS + 1)]
+    length = model.reach if distance is None else min(distance, model.reach)
+    bearings = [model.half_cone * (2.0 * ray / _RAYS - 1.0) for ray in range(_RAYS + 1)]
     rays: list[Strip] = [[(0.0, 0.0), _at(length, bearing)] for bearing in bearings]
-    return [*rays, *(arc(length * ring / _RINGS, 2.0 * HALF_CONE, _RAYS) for ring in range(1, _RINGS + 1))]
+    return [*rays, *(arc(length * ring / _RINGS, 2.0 * model.half_cone, _RAYS) for ring in range(1, _RINGS + 1))]
 
 
 def ellipse(xx: float, xy: float, yy: float) -> Strip:

@@ -26,8 +26,13 @@ _FLUSH_WITHIN: Final = 5.0  # s
 class Show:
     """Draws one robot. Times are ns since 1970, when each thing was heard."""
 
-    def __init__(self, robot: RobotConfig, *, live: bool, camera: str = "", still: bool = False) -> None:
-        """`camera`: whose pictures alone are shown; empty: all is. `still`: one picture is taken, of no window."""
+    def __init__(
+        self, robot: RobotConfig, *, live: bool, camera: str = "", still: bool = False, note: str = ""
+    ) -> None:
+        """`camera`: whose pictures alone are shown; empty: all is. `still`: one picture is taken, of no window.
+
+        `note`: as `Scene` has it.
+        """
         self._live, self._still = live, still
         self._camera = camera
         self._blueprint = camera_blueprint(camera) if camera else blueprint(live=live, still=still)
@@ -35,7 +40,7 @@ class Show:
         """What the screen shows: the plots of a robot that balances or not, and the cameras with a picture."""
         self.heard = 0
         """Samples."""
-        self._scene = Scene(robot)
+        self._scene = Scene(robot, note)
         batches = rr.ChunkBatcherConfig.LOW_LATENCY()
         batches.flush_tick = _SEND_EVERY
         self._stream = rr.RecordingStream(f"giraff {robot.name}", batcher_config=batches)
@@ -90,6 +95,12 @@ class Show:
             new = blueprint(live=self._live, balances=balances, cameras=cameras, still=self._still)
             self._stream.send_blueprint(new)
         self._log(rows, at_ns)
+
+    def draw(self, robot: RobotConfig, at_ns: int) -> None:
+        """Draw from now on by what the robot itself has told."""
+        self._log(self._scene.clear(), at_ns)
+        self._scene = Scene(robot)
+        self._begin()
 
     def begin_with(self, earlier: EchoMap) -> None:
         """Take where echoes came from before anybody looked."""

@@ -6,29 +6,37 @@ import math
 import shlex
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.limits import limits_of
 from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
+from giraff_core.robot import RobotConfig
 from giraff_node import robot_now_ns
+from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.messages import Sample
+from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.requests import OdomEchoes
-from giraff_schemas.topics import ODOM_ECHOES, Topic
+from giraff_schemas.services import BASE
+from giraff_schemas.topics import ODOM_ECHOES, PARAM_DESCRIBE, Topic
 from giraff_viewer.memory import require_memory
 from giraff_viewer.window import ViewerError
 
 _TURN: Final = 0.03  # s between two looks at what was heard
 _FIND_WITHIN: Final = 3.0  # s
 _ASK_FOR: Final = 3.0  # s, what was heard before: a robot that comes later begins then
+_SHAPE_WITHIN: Final = 1.0
+"""s that nothing is drawn before the robot has told its shape. It is asked for longer, and then drawn anew."""
 _TELL_AFTER: Final = 3.0  # s without a word of the robot
 
 
@@ -57,20 +65,23 @@ class LiveViewer:
         self._stopping = stopping
         self._stage: ViewerOutput | None = None
         self._pictures = PictureSubscriber.of(connection, "view") if options.camera else None
+        self._shape = QueryClient(connection.session, connection.robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe())
         self._earlier = QueryClient(connection.session, connection.robot, ODOM_ECHOES, OdomEchoes(by=user_at_host()))
         self._ahead_ns = 0
         """Wall clock minus the robot's, which what is heard is stamped with."""
 
     def run(self) -> int:
         """Until Ctrl-C, the viewer's end or --for; the exit code."""
+        told = self._robot_in(self._shape.wait(time.monotonic() + _SHAPE_WITHIN))
+        robot, note = known_robot(self._connection.robot) if told is None else (told, "")
         try:
-            stage = ViewerOutput(known_robot(self._connection.robot), self._options, live=True)
+            stage = ViewerOutput(robot, self._options, live=True, note=note)
         except ViewerError as error:
             return print_error(str(error))
         try:
             with stage as self._stage:
                 self._connection.subscribe_all()
-                self._draw(self._stage)
+                self._draw(self._stage, is_shaped=told is not None)
                 if not self._stage.show.heard and not self._stopping.asked:
                     return print_error(self._unheard())
                 return self._stage.end(hurried=self._stopping.asked > 0) if self._stage.is_open else DONE
@@ -92,11 +103,18 @@ class LiveViewer:
         assert self._stage is not None  # noqa: S101
         self._stage.show.on_liveliness(service, instance, time.time_ns(), present=present)
 
+    def _robot_in(self, answer: ParamAnswer | None) -> RobotConfig | None:
+        """Return the robot that base tells; None: it tells none that can be."""
+        with suppress(NoRobotError):
+            return None if answer is None else limits_of(answer, self._connection.robot)
+        return None
+
     def _unheard(self) -> str:
         return not_found_text(self._connection.robot, list_robots(self._connection.session))
 
-    def _draw(self, stage: ViewerOutput) -> None:
+    def _draw(self, stage: ViewerOutput, *, is_shaped: bool) -> None:
         began, told, is_asking = time.monotonic(), False, True
+        heard_at = began
         until = began + (math.inf if self._options.seconds is None else self._options.seconds)
         while (now := time.monotonic()) < until and stage.is_open and not self._stopping.wait(_TURN):
             set_tcp_options()
@@ -105,6 +123,10 @@ class LiveViewer:
             if is_asking and now - began < _ASK_FOR and (earlier := self._earlier.poll(now)) is not None:
                 stage.show.begin_with(earlier)
                 is_asking = False
+            heard_at = heard_at if stage.show.heard else now
+            if not is_shaped and now - heard_at < _ASK_FOR and (robot := self._robot_in(self._shape.poll(now))):
+                stage.show.draw(robot, time.time_ns())
+                is_shaped = True
             if self._pictures is not None:
                 self._draw_pictures(stage, self._pictures)
             stage.show.look(time.time_ns())

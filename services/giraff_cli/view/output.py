@@ -5,17 +5,15 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Final, NamedTuple, NoReturn
-
-import msgspec
 
 from giraff_cli.network.command import print_error
 from giraff_cli.network.ports import free_port
 from giraff_cli.terminal.text import json_line
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.host_addresses import host_addresses
 from giraff_schemas.text import printable
 from giraff_viewer.graphics import NO_VULKAN, has_vulkan
@@ -45,12 +43,12 @@ class Options(NamedTuple):
 class ViewerOutput(ExitStack):
     """Where one robot is shown, as asked for. All is closed with it."""
 
-    def __init__(self, robot: RobotConfig, options: Options, *, live: bool) -> None:
-        """Raises ViewerError."""
+    def __init__(self, robot: RobotConfig, options: Options, *, live: bool, note: str = "") -> None:
+        """Raises ViewerError. `note`: as `Scene` has it."""
         super().__init__()
         self._options = options
         self.name = robot.name
-        self.show = Show(robot, live=live, still=options.picture is not None)
+        self.show = Show(robot, live=live, still=options.picture is not None, note=note)
         self.window: Window | None = None
         self.address = ""
         if options.save is not None:
@@ -119,9 +117,12 @@ def give_up(error: ViewerError) -> NoReturn:
     os._exit(FAILED)
 
 
-def known_robot(name: str) -> RobotConfig:
-    """Its geometry, as far as this machine has a robot file; else a stock Giraff's."""
-    try:
-        return msgspec.structs.replace(load("robot", RobotConfig), name=name)
-    except ConfigError:
-        return stock(name)
+def known_robot(name: str) -> tuple[RobotConfig, str]:
+    """Return the geometry of a robot that does not tell it, and a note that says whose it is.
+
+    This machine's robot file may be of another robot.
+    """
+    with suppress(ConfigError):
+        if (robot := load("robot", RobotConfig)).name == name:
+            return robot, f"drawn by the file {robot_file(os.environ)}"
+    return stock(name), "drawn as a stock Giraff"

@@ -34,7 +34,8 @@ class RecordingViewer:
         """Until it is drawn, or until the viewer or Ctrl-C ends it; the exit code."""
         try:
             recording = Recording(self._path)
-            stage = ViewerOutput(_geometry(recording), self._options, live=False)
+            robot, note = _geometry(recording)
+            stage = ViewerOutput(robot, self._options, live=False, note=note)
         except (RecordingError, ViewerError) as error:
             return print_error(str(error))
         try:
@@ -73,10 +74,10 @@ class RecordingViewer:
         return strange
 
 
-def _geometry(recording: Recording) -> RobotConfig:
-    """As it was when it was recorded, if the recording says so."""
+def _geometry(recording: Recording) -> tuple[RobotConfig, str]:
+    """Return the geometry as it was when it was recorded, if the recording says so; else one with a note."""
     try:
         table = recording.tables()["robot"] | {"name": recording.robot}
-        return msgspec.convert(table, RobotConfig, strict=False)
+        return msgspec.convert(table, RobotConfig, strict=False), ""
     except (KeyError, TypeError, ValueError, RecordingError):
         return known_robot(recording.robot)

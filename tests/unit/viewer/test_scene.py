@@ -15,6 +15,7 @@ from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_core.operator import Operator, Wish
+from giraff_core.sensors import UltrasonicModel
 from giraff_schemas import topics
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import Range, Tick, TruePose
@@ -25,7 +26,7 @@ from giraff_viewer.memory import require_memory
 from giraff_viewer.plots import Values
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
-from giraff_viewer.shapes import HALF_CONE, REACH, Strip, cone, ellipse, headings, outline
+from giraff_viewer.shapes import Strip, ellipse, headings, outline
 from giraff_viewer.show import Show
 from giraff_viewer.story import Story
 from giraff_viewer.trail import Trail
@@ -188,11 +189,19 @@ def test_silence_that_the_guard_does_not_believe_is_a_doubt() -> None:
     assert cone_.state(2 * SECOND) == "fault"
 
 
-def test_a_cone_reaches_to_the_echo() -> None:
-    for distance, length in ((0.5, 0.5), (None, REACH), (9.0, REACH)):
-        points = [point for strip in cone(distance) for point in strip]
+def test_a_cone_is_as_wide_as_its_sensor_hears_and_reaches_to_the_echo() -> None:
+    robot = msgspec.structs.replace(stock("sim"), models={"rear": UltrasonicModel(half_cone=0.4, reach=2.0)})
+    for sensor, distance, half, length in (
+        ("rear", 0.5, 0.4, 0.5),
+        ("rear", None, 0.4, 2.0),
+        ("rear", 9.0, 0.4, 2.0),
+        ("front_left", None, math.radians(7.5), 4.0),
+    ):
+        heard = reading(sensor, distance, "clear" if distance is None else "echo")
+        rows = Scene(robot).on_sample(topics.RANGE, heard, SECOND)
+        points = [point for strip in strips_of(dict(rows)[f"floor/range_{sensor}_link"]) for point in strip]
         assert max(math.hypot(*point) for point in points) == pytest.approx(length)
-        assert max(abs(math.atan2(y, x)) for x, y in points) == pytest.approx(HALF_CONE)
+        assert max(abs(math.atan2(y, x)) for x, y in points) == pytest.approx(half)
     assert max(math.hypot(*point) for strip in outline(0.3, 0.47) for point in strip) == pytest.approx(0.3)
 
 
