@@ -11,6 +11,7 @@ from typing import Final
 
 from giraff_cli.keys.bundle import bundle_text
 from giraff_cli.keys.status import Standing, State, authority_standing, host_standing, keys_command
+from giraff_cli.terminal.page import print_table
 from giraff_cli.terminal.text import json_line
 from giraff_keys.certificates import PROGRAM_MADE, CertificateError, addresses_of, new_authority, new_host
 from giraff_keys.files import CA_KEY, KeyFileError, read_authority, read_certificate
@@ -87,7 +88,7 @@ def show(folder: Path, moment: datetime, *, as_json: bool) -> int:
     if as_json:
         print(json_line({"folder": str(folder), "ca": authority, "hosts": hosts}))
     else:
-        print("\n".join(_table(authority, hosts)))
+        _print_table(authority, hosts)
     states = {standing.state for standing in (authority, *hosts)}
     if State.UNREADABLE in states:
         return _REFUSED
@@ -180,16 +181,25 @@ def _old_addresses(bundle: Path) -> tuple[Address, ...]:
         raise RefusedError(f"{error}; without it, name the addresses of {bundle.name} again") from error
 
 
-def _table(authority: Standing, hosts: Sequence[Standing]) -> list[str]:
-    width = max(len(standing.name) for standing in (authority, *hosts))
-    rows = [f"{'name':{width}}  expires     days left  {'state':22}  addresses"]
+def _print_table(authority: Standing, hosts: Sequence[Standing]) -> None:
+    print_table(
+        ("name", "expires", ">days left", "state", "addresses"),
+        [
+            (
+                standing.name,
+                f"{standing.expires:%Y-%m-%d}" if standing.expires else "",
+                "" if standing.days_left is None else str(standing.days_left),
+                standing.state,
+                ", ".join(standing.addresses),
+            )
+            for standing in (authority, *hosts)
+        ],
+    )
     for standing in (authority, *hosts):
-        expires = f"{standing.expires:%Y-%m-%d}" if standing.expires else ""
-        days = "" if standing.days_left is None else standing.days_left
-        row = f"{standing.name:{width}}  {expires:10}  {days:>9}  {standing.state:22}  {', '.join(standing.addresses)}"
-        rows.append(row.rstrip())
-    rows += [f"{standing.name}: {sentence}" for standing in (authority, *hosts) for sentence in standing.to_do]
-    return rows if hosts else [*rows, "No host has a bundle yet."]
+        for sentence in standing.to_do:
+            print(f"{standing.name}: {sentence}")
+    if not hosts:
+        print("No host has a bundle yet.")
 
 
 def _complain(word: str, error: Exception) -> int:

@@ -20,14 +20,14 @@ from giraff_cli.terminal.text import json_page
 from giraff_schemas.text import printable
 from giraff_telemetry.console import CleanConsole
 
-_PIPE_WIDTH: Final = 1000  # characters: a line stays a line for whoever searches them
+_PIPE_WIDTH: Final = 120  # characters of a table in a pipe; a sentence stays a line for whoever searches it
 _GAP: Final = 2  # blanks between two columns
 _LAST: Final = 20  # characters of a last column, whose longer words (paths) are folded
 _BLANK_END: Final = re.compile(r"(?: |\x1b\[[0-9;]*m)+$")
 
 
 class Page(CleanConsole):
-    """As wide as the terminal; colourless, and as wide as it takes, in a pipe."""
+    """As wide as the terminal; colourless in a pipe, and as wide as a page of code."""
 
     def __init__(self) -> None:
         super().__init__(highlight=False, width=None if sys.stdout.isatty() else _PIPE_WIDTH)
@@ -115,7 +115,7 @@ def print_trimmed(shown: RenderableType) -> None:
     """Without the blanks that Rich ends lines with."""
     page = Page()
     with page.capture() as captured:
-        page.print(shown)
+        page.print(shown, soft_wrap=isinstance(shown, Text) and not sys.stdout.isatty())
     for line in captured.get().splitlines():
         print(_BLANK_END.sub(lambda end: "\x1b[0m" if "\x1b" in end[0] else "", line))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 
 import pytest
+from rich.text import Text
 
 from giraff_cli.terminal import page
 
@@ -29,6 +30,16 @@ def test_no_word_of_a_table_is_torn_and_no_line_is_too_long(
     }
     assert words <= set(shown.split())
     assert len(lines) == 3 or width < 1000
+
+
+def test_a_table_in_a_pipe_fits_a_page_and_a_sentence_is_not_broken(capsys: pytest.CaptureFixture[str]) -> None:
+    sentence = "one sentence " * 20
+    page.print_table(HEADINGS, [(*ROWS[0][:4], sentence)])
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) > 2
+    assert max(map(len, lines)) <= 120
+    page.print_trimmed(Text(sentence))
+    assert capsys.readouterr().out == f"{sentence.rstrip()}\n"
 
 
 class Terminal(io.StringIO):
