@@ -83,6 +83,8 @@ def _told(error: typer.TyperException, command: Any, rest: list[str]) -> str:
         from giraff_cli.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom
 
         what = redirected(what) or what
+        if any("-o" in parameter.opts for parameter in command.params):
+            what += f": the file is written as -o {what.rpartition('(')[2].removesuffix(')')}"
     return what[:1].lower() + what[1:]
 
 

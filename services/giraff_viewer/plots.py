@@ -105,7 +105,8 @@ class Values:
                 yield "plots/battery/voltage", sample.voltage
             case BaseState():
                 for name, value in (("round_trip", sample.round_trip), ("budget_left", sample.budget_left)):
-                    yield f"plots/ages/{name}", math.nan if value is None else value
+                    # A budget that is used up stays at -disarm_time, which would press all ages to the upper edge.
+                    yield f"plots/ages/{name}", math.nan if value is None or value < 0.0 else value
             case Tilt():
                 yield from self._age("tilt", sample.tick)
 

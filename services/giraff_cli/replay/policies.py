@@ -49,7 +49,7 @@ neither is recorded."""
 _AROUND_NS: Final = 20_000_000
 _NUMBERED_NS: Final = 5_000_000_000
 """The numbers that a guard tells are of makers of about now: another one counts from 0 again."""
-_SETTLES: Final = 1.0  # s after which what was missed of a young guard's life no longer shows
+SETTLES: Final = 1.0  # s after which what was missed of a young guard's life no longer shows
 _SPEED: Final = 0.01
 """m/s, rad/s: what a limit may differ by. It depends on the moment of the guard's turn, known to a millisecond."""
 
@@ -322,10 +322,10 @@ class _Guard:
         self._has_tick = False
         """Before its first one nobody is granted anything; the recording's may begin later than its commands."""
         age = first.seq / CMD_VEL.rate_hz
-        self._settles_ns = round((min(age, config.memory_time) + _SETTLES) * 1e9)
+        self._settles_ns = round((min(age, config.memory_time) + SETTLES) * 1e9)
         # One that has just begun has nothing to forget.
-        self._forgets_ns = 0 if age < _SETTLES else round(max(config.fade_time, config.held_time) * 1e9)
-        self._forgets_travel = 0.0 if age < _SETTLES else config.fade_travel
+        self._forgets_ns = 0 if age < SETTLES else round(max(config.fade_time, config.held_time) * 1e9)
+        self._forgets_travel = 0.0 if age < SETTLES else config.fade_travel
         self._is_known = False
         self._linked_ns: int | None = None
         self._linked_travel = 0.0

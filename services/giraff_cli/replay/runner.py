@@ -13,7 +13,7 @@ from rich.text import Text
 
 from giraff_cli.network.command import print_error
 from giraff_cli.replay.agreement import Agreement
-from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odometry
+from giraff_cli.replay.policies import SETTLES, RecordedSamples, replay_guard, replay_odometry
 from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
@@ -52,13 +52,15 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
     compared = [agreement for agreement in found if agreement.compared]
     if not compared:
         return print_error(
-            f"{path}: nothing in it can be compared: it takes wheels and odom, or all that the guard hears"
+            f"{path}: nothing in it can be compared: it takes two samples of wheels and odom, or all that the guard "
+            f"hears, {_least(recording)}"
         )
     sys.stdout.write(_told(found, as_json=as_json))
     if left := [agreement.key for agreement in found if agreement.left_out and not agreement.compared]:
         return print_error(
-            f"{path}: {', '.join(left)}: nothing could be compared: it was at work before the recording began, or too "
-            "much is missing; record for longer, or from its start"
+            f"{path}: {', '.join(left)}: nothing could be compared in {recording.seconds:.0f} s: it was at work before "
+            f"the recording began, or too much is missing; record from its start, or a guard {_least(recording)}, or "
+            "vision until its second key picture"
         )
     agrees = all(agreement.share >= least for agreement in compared)
     return _AGREES if agrees and not strange and not unread else _DIFFERS
@@ -89,6 +91,12 @@ def agreements(recording: Recording, strange: dict[str, str], unread: Unread | N
         *replay_guard(said, table_of(recording, "guard", GuardConfig), robot),
         *_vision(recording, said, robot, strange, unread),
     ]
+
+
+def _least(recording: Recording) -> str:
+    """Return what a recording must have of a guard that was at work before it began."""
+    config = table_of(recording, "guard", GuardConfig)
+    return f"for {config.memory_time + SETTLES:g} s, in which the robot goes {config.fade_travel:g} m"
 
 
 def _vision(

@@ -15,5 +15,9 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
         "giraff completion: invalid value for 'SHELL': 'tcsh' is not one of 'bash', 'zsh', 'fish'",
     ),
     (("completion",), "giraff completion: missing argument 'SHELL'"),
+    (
+        ("record", "out.mcap"),
+        "giraff record: got unexpected extra argument(s) (out.mcap): the file is written as -o out.mcap",
+    ),
     (("-x",), "giraff: no option -x (see giraff --help)"),
 )

@@ -12,6 +12,7 @@ from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odometry
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_mcap.writing import RecordingWriter
 from giraff_odometry.config import OdometryConfig
@@ -154,6 +155,19 @@ def test_a_recording_of_another_version_is_named(giraff_replay: Replay, tmp_path
     assert code == 2
     assert "old.mcap: not of this version: giraff/sim-test/odom: not a Odometry: `" in complaint
     assert "nothing in it can be compared" in complaint
+    assert "all that the guard hears, for 21 s, in which the robot goes 2 m" in complaint
+
+
+def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Replay, tmp_path: Path) -> None:
+    samples = list(Recording(DRIVE).samples())
+    part = [each for each in samples if 6.0 < (each.heard_ns - samples[0].heard_ns) * 1e-9 < 10.0]
+    with RecordingWriter(tmp_path / "short.mcap", Recording(DRIVE).about) as writer:
+        writer.add([RawSample(each.heard_ns, each.topic, each.payload, each.encoding) for each in part])
+        writer.close("test")
+    code, _, complaint = giraff_replay(str(tmp_path / "short.mcap"))
+    assert code == 2
+    assert "short.mcap: cmd_vel, guard, lease: nothing could be compared in 4 s: " in complaint
+    assert "or a guard for 21 s, in which the robot goes 2 m, " in complaint
 
 
 def test_the_command_tells_it(giraff_replay: Replay, tmp_path: Path) -> None:

@@ -264,6 +264,13 @@ def test_ages_are_those_of_the_robots_clock() -> None:
     assert math.isnan(dict(values.of(reading("rear", None, "clear")))["plots/ranges/rear"])
 
 
+def test_a_budget_that_is_used_up_is_not_drawn() -> None:
+    states = [msgspec.structs.replace(base(), budget_left=left) for left in (0.1, 0.0, -1.0, None)]
+    drawn = [dict(Values().of(state))["plots/ages/budget_left"] for state in states]
+    assert drawn[:2] == [0.1, 0.0]
+    assert all(map(math.isnan, drawn[2:]))
+
+
 def other_epoch() -> Any:
     return msgspec.structs.replace(at(0), epoch=8)
 
