@@ -54,7 +54,7 @@ class _Verbs(Mapping[str, Any]):
         if verb not in self._built:
             command: Any = _built(verb)
             command.name = verb
-            self._built[verb] = with_plain_help(command)
+            self._built[verb] = with_plain_help(command, verb)
         return self._built[verb]
 
 
@@ -120,6 +120,7 @@ app = typer.Typer(
     name="giraff",
     cls=VerbGroup,
     help="A masterless multi-machine robot.",
+    epilog="Example: giraff run",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -14,6 +14,48 @@ from giraff_schemas.text import meant, plain
 _LONGEST: Final = 20
 """Characters of the words of an option that stand in its column."""
 
+_EXAMPLES: Final = """\
+move 1.0 --speed 0.2
+turn 180deg
+arc 1.0 90deg
+go 1.5,2.2
+run --web
+web --devices
+view drive.mcap
+top --once
+camera view --save head.jpg
+camera board board.svg
+localize --at 1.5,2.2,0deg
+logs --since 10min --level warning
+topic echo odom --field x --count 5
+topic info odom
+topic hz odom --for 10
+topic bw --for 10
+topic pub battery '{"voltage": 23.5}' --robot sim-mine
+node info guard
+param list guard
+param get guard.margin
+param describe guard.margin
+param set guard.margin 0.3
+param save guard.margin
+frames --from range_rear_link --to base_link
+odom set 1,2,90deg
+record -o drive.mcap --for 60
+play drive.mcap --loop
+replay drive.mcap
+vision --from drive.mcap
+check wheels
+calibrate odometry
+tune balance --file deploy/robots/balancer.toml
+encoder disk disk.svg
+map show deploy/worlds/flat.toml
+map convert deploy/worlds/flat.toml flat.yaml
+keys host robot 192.168.1.20
+completion bash
+dst --seeds 20
+""".splitlines()
+"""The example in the help of a command, and of a group the first one. Other commands need no word."""
+
 
 def obey(app: typer.Typer) -> int:
     """Do what the command line asks for; the exit code."""
@@ -37,15 +79,16 @@ def complete(app: typer.Typer) -> int:
     return 0
 
 
-def with_plain_help(command: Any) -> Any:
-    """The command, whose help and that of all below it has paragraphs of one line, and no types of Python's.
+def with_plain_help(command: Any, path: str) -> Any:
+    """Return the command `path`, whose help and that of all below it has plain paragraphs and an example.
 
-    Typer keeps the line ends of the source and breaks the lines between them once more. It would also draw frames by
-    a library that takes longer to import than all else.
+    Plain: of one line, and without types of Python's. Typer keeps the line ends of the source and breaks the lines
+    between them once more. It would also draw frames by a library that takes longer to import than all else.
     """
     command.help = "\n\n".join(" ".join(each.split()) for each in (command.help or "").split("\n\n"))
     command.short_help = first_sentence(command.help)
     command.rich_markup_mode = None
+    command.epilog = f"Example: giraff {next((each for each in _EXAMPLES if f'{each} '.startswith(f'{path} ')), path)}"
     for parameter in command.params:
         kind = parameter.type = copy(parameter.type)  # one object for all texts
         words = getattr(kind, "choices", ())
@@ -56,8 +99,8 @@ def with_plain_help(command: Any) -> Any:
             parameter.metavar = words if len(words) <= _LONGEST else parameter.name.upper()
             if len(words) > _LONGEST and words not in parameter.help:
                 parameter.help += f" One of {words.replace('|', ', ')}."
-    for inner in getattr(command, "commands", {}).values():
-        with_plain_help(inner)
+    for name, inner in getattr(command, "commands", {}).items():
+        with_plain_help(inner, f"{path} {name}")
     return command
 
 

@@ -7,7 +7,6 @@ import re
 import pytest
 
 from giraff_cli.main import GROUPS
-from giraff_cli.usage import with_plain_help
 from giraff_node.process.version import NUMBER, version
 from tests.unit.cli.test_any_command import whole_commands
 from tests.unit.cli.typed import typed
@@ -25,7 +24,7 @@ def test_a_word_that_wants_another_shows_its_help(
 def test_help_has_paragraphs_and_no_types_of_pythons(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert [path for path, it in whole_commands().items() if "\n" in with_plain_help(it).help.replace("\n\n", "")] == []
+    assert [path for path, it in whole_commands().items() if "\n" in it.help.replace("\n\n", "")] == []
     monkeypatch.setenv("TERMINAL_WIDTH", "80")
     shown = []
     for words in ("calibrate odometry", "param list", "odom set", "map convert", "run"):
@@ -43,11 +42,13 @@ def test_h_helps_everywhere_and_the_version_is_told(
         code, out, err = typed(monkeypatch, capsys, *path.split(), "-h")
         assert (code, err) == (0, "")
         assert out.startswith(f"Usage: giraff {path} ")
+        assert re.search(rf"\n  Example: giraff {path}\b.*\n$", out)
     assert typed(monkeypatch, capsys, "--version") == (0, f"giraff {version()}\n", "")
     assert version().startswith(NUMBER)
 
 
 def test_each_verb_stands_in_the_help(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     _, out, _ = typed(monkeypatch, capsys, "--help")
+    assert out.endswith("\n  Example: giraff run\n")
     shown = [line.split()[0].rstrip(":") for line in out.splitlines() if re.match(r"  [a-z0-9]+ |\S.*:$", line)]
     assert [word for word in shown if word.islower()] == [verb for verbs in GROUPS.values() for verb in verbs]

@@ -133,6 +133,14 @@ def test_each_command_of_a_page_is_one_that_works(page: str, say: Typed) -> None
     assert not found, "\n".join(found)
 
 
+@pytest.mark.parametrize("path", KNOWN())
+def test_the_example_in_the_help_of_each_command_works(path: str, say: Typed) -> None:
+    [command] = split(f"giraff {path} --help", KNOWN()[path].epilog.removeprefix("Example: "))
+    assert " ".join(command.words).startswith(f"giraff {path}")
+    before = split("", "giraff keys init" if path in {"keys host", "keys list"} else "")
+    assert [wrong for each in (*before, command) if (wrong := wrong_with(each, say))] == []
+
+
 def misnamed(command: Command) -> str:
     """Return what is wrong with words in a text: they may be of a group, and leave out what a command needs."""
     if command.words[0] == "make":
