@@ -317,6 +317,17 @@ def test_the_screen_gets_those_plots_with_the_first_attitude(tmp_path: Path, bal
     assert (tmp_path / "drive.rrd").read_bytes().count(b"motor command, 255") == balances
 
 
+def test_a_robot_that_tells_its_shape_late_is_drawn_anew(tmp_path: Path) -> None:
+    """No cone of the other shape is left, nor the words beside it."""
+    show = Show(stock("sim"), live=False, note="drawn as a stock Giraff")
+    show.to_file(tmp_path / "drive.rrd")
+    show.draw(msgspec.structs.replace(stock("sim"), sensors={}), SECOND)
+    show.close()
+    assert (tmp_path / "drive.rrd").read_bytes().count(b"ClearIsRecursive")
+    labels = [dict(Scene(stock("sim"), note).begin())["floor/robot"].labels for note in ("of a file", "")]
+    assert [each.as_arrow_array().to_pylist() for each in labels] == [["of a file"], []]
+
+
 @pytest.mark.parametrize("limit", ["500MB", "2GiB", "1.5 GB", "25%"])
 def test_a_limit_is_taken(limit: str) -> None:
     assert require_memory(limit) == limit.replace(" ", "")
