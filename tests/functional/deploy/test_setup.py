@@ -10,7 +10,7 @@ import pytest
 
 from giraff_sim.board import ROOT
 
-_TOOLS = ("bash", "dirname", "env", "id", "python3")
+_TOOLS = ("bash", "dirname", "env", "id", "python3", "readlink")
 _RUN = ["python3-venv", "gcc", "libc6-dev", "gcc-avr", "avr-libc", "libsimavr-dev"]
 
 
@@ -41,3 +41,17 @@ def test_what_is_missing_stands_at_the_end_and_whole(apt: bool, lines: int, tmp_
         *_, named = advice[0].partition("apt-get install ")
         assert named.split() == [each for each in _RUN if each != "python3-venv" or each in named]
     assert {path.name for path in tree.iterdir()} == {"scripts"}
+
+
+def test_what_a_link_leads_to_is_neither_emptied_nor_filled(tmp_path: Path) -> None:
+    """A virtual environment that is made anew empties whatever folder a link leads to."""
+    tree, other = tmp_path / "tree", tmp_path / "other"
+    (tree / "scripts").mkdir(parents=True)
+    other.mkdir()
+    (other / "kept").touch()
+    (tree / ".venv").symlink_to(other)
+    script = shutil.copy(ROOT / "scripts" / "setup", tree / "scripts")
+    done = subprocess.run([script, "run"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert f".venv is a link to {other}, which set-up would empty or overwrite; type: rm .venv\n" in done.stderr
+    assert [*other.iterdir()] == [other / "kept"]
