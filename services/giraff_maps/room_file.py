@@ -33,6 +33,7 @@ from typing import Final
 
 import msgspec
 
+from giraff_core.toml_kinds import ROOM, wrong_kind
 from giraff_maps.floor_plan import FloorPlan, MapError, Wall, read_text
 from giraff_schemas.text import plain
 
@@ -107,7 +108,7 @@ def read_room_file(path: Path) -> RoomFile:
     try:
         content = msgspec.convert(tables, RoomFile)
     except ValueError as error:
-        raise MapError(f"{path}: {plain(error)}") from error
+        raise MapError(f"{path}: {wrong_kind(tables, ROOM) or plain(error)}") from error
     places = [(content.start.x, content.start.y, content.start.yaw_deg), *content.waypoints]
     if not all(math.isfinite(value) for place in places for value in place):
         raise MapError(f"{path}: start and waypoints must be finite numbers")

@@ -156,6 +156,8 @@ def go(
             try:
                 return read_pattern(Path(word))
             except PatternError as error:
+                if word[:1].isalpha() and set("./").isdisjoint(word) and not Path(word).exists():
+                    raise ValueError(f"{word}: no places are saved by name; give a point X,Y, like 1.5,-2") from error
                 hint = "" if Path(word).exists() else "; a point is X,Y, like 1.5,-2"
                 raise PatternError(f"{error}{hint}") from error
         x, y = typed.point(word)

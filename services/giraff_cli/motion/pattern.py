@@ -9,6 +9,7 @@ import msgspec
 
 from giraff_cli.motion.steps import arc, move, turn
 from giraff_cli.typed import angle
+from giraff_core.toml_kinds import PATTERN, wrong_kind
 from giraff_node.config.robot_file import parse_toml
 from giraff_node.motion_client import Wish
 from giraff_schemas.motion import GoTo, Step
@@ -58,7 +59,8 @@ def read_pattern(path: Path) -> Wish:
     try:
         pattern = msgspec.convert(tables, _Pattern)
     except ValueError as error:
-        raise PatternError(f"{path}: {plain(error)}; a step is one of {_KINDS}") from error
+        why = wrong_kind(tables, PATTERN) or f"{plain(error)}; a step is one of {_KINDS}"
+        raise PatternError(f"{path}: {why}") from error
     try:
         return _wish(pattern)
     except ValueError as error:

@@ -21,15 +21,15 @@ from giraff_core.network import host_and_port
 from giraff_core.robot import WIRING
 from giraff_core.sensors import TABLES as SENSOR_TABLES
 from giraff_core.sensors import by_type
+from giraff_core.toml_kinds import ROBOT_FILE, wrong_kind
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.checks import converted, require_sendable
-from giraff_schemas.services import SERVICES
 from giraff_schemas.text import near, plain
 from giraff_schemas.trouble import Trouble
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
-TABLES: Final = ("robot", "network", *(service.table for service in SERVICES if service.table), "sim")
+TABLES: Final = ROBOT_FILE.entries
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
 _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
 _QUOTED: Final = re.compile(r"""(["'])((?:(?!\1).)*)\1""")
@@ -175,7 +175,10 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
 
 
 def _read_file(path: Path) -> RawSettings:
-    found = modern(_parsed(path))
+    parsed = _parsed(path)
+    if wrong := wrong_kind(parsed, ROBOT_FILE):
+        raise ConfigError(f"{path}: {wrong}")
+    found = modern(parsed)
     tables = {}
     strange = [UnknownEntry("drive", None, f"{path}: {found.twice}")] if found.twice else []
     for name, table in found.tables.items():

@@ -41,6 +41,7 @@ ANGLES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("go", "1,2", "--frame", "mop"), "'mop' is not one of"),
     (("go", "deploy", "--frame", "map"), "--frame, --speed and --time-limit are for a point"),
     (("go", "none.toml"), "go: none.toml: No such file or directory"),
+    (("go", "kitchen"), "go: kitchen: no places are saved by name; give a point X,Y, like 1.5,-2\n"),
     (("go", "1"), "go: 1: No such file or directory; a point is X,Y, like 1.5,-2"),
     (("go", "1,2,90deg"), "'1,2,90deg' is no point: give x and y in metres, like 1.5,-2\n"),
     (("go", "1", "1", "--speed", "1"), "write it as one word: giraff go 1,1 --speed 1\n"),
