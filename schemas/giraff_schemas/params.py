@@ -62,3 +62,5 @@ class ParamAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """Those it is about, as they are now."""
     remedy: str = ""
     """Tail of `reason`: what to do about it."""
+    mistyped: bool = False
+    """There is no such parameter, or it cannot have such a value: nothing was tried."""

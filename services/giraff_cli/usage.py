@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Iterable
 from copy import copy
+from itertools import takewhile
 from typing import Any, Final
 
 import typer.main
@@ -67,7 +69,7 @@ def obey(app: typer.Typer) -> int:
         if not rest and hasattr(command, "commands"):  # its message is the help
             print(error.format_message(), flush=True)
         else:
-            print(f"{path}: {_told(error, command, rest)} (see {path} --help)", file=sys.stderr, flush=True)
+            print(f"{path}: {_told(error, path, command, rest)} (see {path} --help)", file=sys.stderr, flush=True)
         return error.exit_code
 
 
@@ -110,7 +112,7 @@ def first_sentence(text: str) -> str:
     return line if line.endswith("?") else line.partition(". ")[0].rstrip(".") + "."
 
 
-def _told(error: typer.TyperException, command: Any, rest: list[str]) -> str:
+def _told(error: typer.TyperException, path: str, command: Any, rest: list[str]) -> str:
     """Return what is wrong, with the word that was meant."""
     if rest and not rest[0].startswith("-") and hasattr(command, "commands"):
         return f"no command {rest[0]!r}{_meant(rest[0], (*command.commands, '--help', '--version'))}"
@@ -122,6 +124,8 @@ def _told(error: typer.TyperException, command: Any, rest: list[str]) -> str:
     if option not in {*there, "--"}:
         return f"no option {option}{_meant(option, there)}"
     what = plain(error.format_message()).rstrip(".")
+    if path == "giraff param set" and ("extra argument" in what or "issing argument" in what):
+        what = _setting(rest) or what
     if "extra argument" in what:
         from giraff_cli.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom
 
@@ -129,6 +133,17 @@ def _told(error: typer.TyperException, command: Any, rest: list[str]) -> str:
         if any("-o" in parameter.opts for parameter in command.params):
             what += f": the file is written as -o {what.rpartition('(')[2].removesuffix(')')}"
     return what[:1].lower() + what[1:]
+
+
+def _setting(rest: list[str]) -> str:
+    """Return how `param set` is written, where service, field and value are joined in another way; empty: no idea."""
+    words = " ".join(takewhile(lambda word: not word.startswith("--"), rest))
+    match words.replace("=", " ", 1).split():
+        case [name, value] if "." in name:
+            return f"write `giraff param set {name} {shlex.quote(value)}`"
+        case [service, field, value] if "." not in service:
+            return f"write `giraff param set {service}.{field} {shlex.quote(value)}`"
+    return "write it like `giraff param set guard.margin 0.3`" if "=" in words else ""
 
 
 def _meant(word: str, there: Iterable[str]) -> str:

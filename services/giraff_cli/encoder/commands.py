@@ -25,7 +25,7 @@ def print_disk(
 ) -> None:
     """Draw an encoder's disk of two black-and-white rings as SVG, to be printed in true size.
 
-    Exit code: 0; 1 the file cannot be written, or is there already; 2 no such disk can be made, with the reason.
+    Exit code: 0; 2 no such disk can be made, or the file cannot be written, or is there already, with the reason.
     """
     if as_json and file is None:
         raise typer.BadParameter("--json: name the drawing's file, which is standard output itself without a name")

@@ -29,10 +29,10 @@ def print_disk(file: Path | None, pairs: int, outer: float, inner: float, hole: 
         write_fresh(file, drawing(disk))
     except FileExistsError:
         typer.echo(f"{_COMMAND}: {file} is there already: name another file, or delete it first", err=True)
-        return 1
+        return 2
     except OSError as error:
         typer.echo(f"{_COMMAND}: {file or 'standard output'} cannot be written: {error.strerror}", err=True)
-        return 1
+        return 2
     if as_json:
         at_a, at_b = _sensors(disk)
         print_json(

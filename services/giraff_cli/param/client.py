@@ -123,7 +123,7 @@ def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:
         print_json([answer for _, answer in sorted(answers.items())])
     elif done:
         print("\n".join(printable(one.sentence()) for one in done))
-    if len(answers) < len(services):
+    if len(answers) < len(services) or all(answer.mistyped for answer in answers.values()):
         return UNUSABLE
     return _DONE if all(answer.done for answer in answers.values()) else _WRONG
 

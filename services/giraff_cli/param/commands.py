@@ -66,7 +66,7 @@ def set_param(
 ) -> None:
     """Set one parameter at once, until the service ends; `save` keeps it. What bears on safety can only be tightened.
 
-    Exit code: 0 in force; 1 refused, with the reason; 2 no robot, or nobody has answered.
+    Exit code: 0 in force; 1 refused, with the reason; 2 no robot, no such parameter or value, or nobody has answered.
     """
     from giraff_cli.param.client import set_one  # noqa: PLC0415
 
@@ -77,7 +77,8 @@ def set_param(
 def save(names: Names = None, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
     """Keep over restarts what is in force now, on the service's own host; nothing more than the robot file allows.
 
-    Exit code: 0 on disk; 1 refused by one at least, with the reason; 2 no robot, or nobody has answered.
+    Exit code: 0 on disk; 1 refused by one at least, with the reason; 2 no robot, no such parameter, or nobody has
+    answered.
     """
     from giraff_cli.param.client import save_some  # noqa: PLC0415
 

@@ -10,7 +10,7 @@ import msgspec
 
 from giraff_core.inbox import Inbox
 from giraff_core.io import PendingQuery, Store
-from giraff_core.parameters.table import ConfigT, ParamError, Parameters
+from giraff_core.parameters.table import ConfigT, MistypedError, ParamError, Parameters
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.text import brief, plain
@@ -80,7 +80,7 @@ class ParameterServer(Generic[ConfigT]):
         try:
             self._params.set(request.name, request.value)
         except ParamError as error:
-            return self._answer(Trouble(str(error)))
+            return self._refused(error)
         answer = self._answer(WELL, request.name)
         if self._params.config == before:
             return answer
@@ -93,7 +93,7 @@ class ParameterServer(Generic[ConfigT]):
         try:
             kept = self._params.to_save(asked.request.names)
         except ParamError as error:
-            asked.answer(self._answer(Trouble(str(error))))
+            asked.answer(self._refused(error))
             return
         if kept == self._on_disk:
             asked.answer(self._done(asked.request, kept))
@@ -131,6 +131,9 @@ class ParameterServer(Generic[ConfigT]):
             self.fault = Trouble(f"{self._file}: {'; '.join(ignored)}", "save again, or remove the file")
         else:
             self._on_disk = self._params.saved
+
+    def _refused(self, error: ParamError) -> ParamAnswer:
+        return msgspec.structs.replace(self._answer(Trouble(str(error))), mistyped=isinstance(error, MistypedError))
 
     def _answer(self, refusal: Trouble, *names: str) -> ParamAnswer:
         return ParamAnswer(

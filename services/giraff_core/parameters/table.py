@@ -30,6 +30,10 @@ class ParamError(Exception):
     """A parameter is not set. The message names the rule, and the way out."""
 
 
+class MistypedError(ParamError):
+    """There is no such parameter, or it cannot have such a value. Nothing that the service goes by decides that."""
+
+
 class Parameters(Generic[ConfigT]):
     """`filed`: the service's table as the robot file and the environment have it; `service`: its name."""
 
@@ -89,7 +93,7 @@ class Parameters(Generic[ConfigT]):
         wanted = set(names)
         for name in wanted:
             if name not in self._live:
-                raise ParamError(self._unknown(name))
+                raise self._unknown(name)
             if self._live[name] is Tuning.CHECKED:
                 raise ParamError(self._never_saved(name))
         now, filed = self._values(self.config), self._values(self._filed)
@@ -121,7 +125,7 @@ class Parameters(Generic[ConfigT]):
         for name in values:
             full = f"{self._service}.{name}"
             if name not in self._live:
-                raise ParamError(self._unknown(name))
+                raise self._unknown(name)
             if self._live[name] is Tuning.READ_ONLY:
                 raise ParamError(f"{full} cannot change while the service runs: it takes the robot file and a restart")
         plain = _plain(config)
@@ -132,7 +136,7 @@ class Parameters(Generic[ConfigT]):
             changed = converted(plain, type(config), strict=False)
         except ValueError as error:
             told = ", ".join(f"{self._service}.{name} {value}" for name, value in values.items())
-            raise ParamError(f"{told}: {error}") from error
+            raise MistypedError(f"{told}: {error}") from error
         for name in values:
             live, before, after = self._live[name], _at(self._filed, name), _at(changed, name)
             if live not in (Tuning.FREE, Tuning.CHECKED) and loosens(live, before, after):
@@ -173,13 +177,13 @@ class Parameters(Generic[ConfigT]):
         live = self._live.get(name, Tuning.READ_ONLY)
         return Param(name=name, value=value, filed=filed, saved=saved, kind=kind, live=live.value, doc=doc)
 
-    def _unknown(self, name: str) -> str:
+    def _unknown(self, name: str) -> ParamError:
         if name in self._documented:
             who = "shared by all services" if name.startswith(_SHARED) else "fixed"
-            return f"{name} is {who}: it takes the robot file and a restart"
+            return ParamError(f"{name} is {who}: it takes the robot file and a restart")
         close = near(name, self._live)
         hint = f"did you mean {self._service}.{close[0]}?" if close else f"there are: {', '.join(self._live)}"
-        return f"{self._service} has no parameter {name}; {hint}"
+        return MistypedError(f"{self._service} has no parameter {name}; {hint}")
 
 
 def _plain(config: msgspec.Struct) -> dict[str, Any]:

@@ -76,12 +76,12 @@ REFUSED: Mapping[tuple[str, ...], tuple[int, str]] = {
         1,
         "giraff: guard.margin 0.1 is looser than 0.25: loosening takes the robot file, standstill and a restart\n",
     ),
-    ("set", "guard.margin", "nan"): (1, "margin is nan: it must be within 0.01..2 m"),
-    ("set", "base.battery_cutoff", "23"): (1, "battery_cutoff is 23.0: it must not be above battery_low"),
+    ("set", "guard.margin", "nan"): (2, "margin is nan: it must be within 0.01..2 m"),
+    ("set", "base.battery_cutoff", "23"): (2, "battery_cutoff is 23.0: it must not be above battery_low"),
     ("list", "guard.marign"): (2, MISTYPED),
     ("get", "guard.marign"): (2, MISTYPED),
     ("describe", "guard.marign"): (2, MISTYPED),
-    ("save", "guard.marign"): (1, "did you mean guard.margin?"),
+    ("save", "guard.marign"): (2, "did you mean guard.margin?"),
 }
 LISTED: tuple[tuple[str, ...], ...] = (
     ("list",),

@@ -5,7 +5,14 @@ from __future__ import annotations
 from tests.rules.repository import ROOT
 
 DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
+SETTING = "giraff param set: write `giraff param set guard.margin 0.3` (see giraff param set --help)"
 ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
+    (("param", "set", "guard.margin=0.3"), SETTING),
+    (("param", "set", "guard", "margin", "0.3", "--robot", "x"), SETTING),
+    (("param", "set", "guard.margin", "=", "0.3"), SETTING),
+    (("param", "set", "a=b"), "giraff param set: write it like `giraff param set guard.margin 0.3` (see"),
+    (("param", "set", "guard.margin", "0.3", "0.4"), "got unexpected extra argument(s) (0.4)"),
+    (("param", "set", "guard.margin", "0.3", "--robot"), "option '--robot' requires an argument"),
     (
         ("dst", "--seeds", "2", "--json", "my sum.json"),
         "giraff dst: --json prints; write it as: giraff dst --seeds 2 --json > 'my sum.json' (see giraff dst --help)",

@@ -19,10 +19,10 @@ def test_it_writes_a_drawing_once(
     text = file.read_text()
     assert read_pattern(text).states_per_turn == 80
     code, _, complaint = typed(monkeypatch, capsys, "encoder", "disk", str(file))
-    assert (code, file.read_text()) == (1, text)
+    assert (code, file.read_text()) == (2, text)
     assert f"{file} is there already: name another file" in complaint
     code, _, complaint = typed(monkeypatch, capsys, "encoder", "disk", str(tmp_path / "no" / "disk.svg"))
-    assert (code, "cannot be written: No such file or directory" in complaint) == (1, True)
+    assert (code, "cannot be written: No such file or directory" in complaint) == (2, True)
 
 
 def test_without_a_file_it_prints_the_drawing_alone(
