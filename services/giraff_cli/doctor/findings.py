@@ -108,8 +108,8 @@ def _of_silence(look: Inspection) -> Iterator[Finding]:
 
 def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
     machine, network = look.machine, look.network
-    if network.problem:
-        yield "network", network.problem.what, network.problem.remedy or _SEE_LOG
+    for problem in filter(None, (machine.loopback_problem, network.problem)):
+        yield "network", problem.what, problem.remedy or _SEE_LOG
     for call in network.calls:
         if told := _of_call(call, look):
             yield told

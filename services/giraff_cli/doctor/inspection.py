@@ -66,6 +66,7 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     """Of robot file and environment."""
     moved_settings: tuple[Trouble, ...] | msgspec.UnsetType = msgspec.UNSET
     """What robot file and environment write as it was before; unset: nothing, and JSON is as it was before, too."""
+    loopback_problem: Trouble = WELL
     keys_problem: Trouble = WELL
     keys_expired: bool = False
     wiring_problem: Trouble = WELL

@@ -22,6 +22,7 @@ from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read, read_tables
 from giraff_node.network.discovery import is_simulated_here
+from giraff_node.network.host_addresses import loopback_fault
 from giraff_node.network.key_bundle import CA_CERTIFICATE, COPY_AGAIN, BundleError, ExpiryWatch, read_bundle
 from giraff_node.network.sockets import live_sockets, socket_folder
 from giraff_node.process.state import state_directory
@@ -51,6 +52,7 @@ def look_at_machine(
         disks=(_disk(state_directory(robot or "giraff", environment)), _disk(Path.cwd())),
         settings_problem=_settings_problem(wrong, environment),
         moved_settings=_moved(environment),
+        loopback_problem=loopback_fault(),
         keys_problem=keys,
         keys_expired=expired,
         unranked_hands=_unranked_hands(environment),

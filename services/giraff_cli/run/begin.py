@@ -13,7 +13,7 @@ import zenoh
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.interfaces import interfaces
 from giraff_cli.network.ports import claim, free_port
-from giraff_cli.run.directory import RunDirectory
+from giraff_cli.run.directory import RunDirectory, remove_run_sockets
 from giraff_cli.run.invitation import Invitation, invite
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.runner import DONE, FAILED, Run
@@ -24,6 +24,7 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import is_simulated_here
+from giraff_node.network.host_addresses import loopback_fault
 from giraff_node.network.session import open_session
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.services import RUN
@@ -37,6 +38,8 @@ _WAY_OUT: Final = "; end it, or give this one another name with GIRAFF_ROBOT_NAM
 
 def drive(plan: Plan) -> int:
     """Do the run; the exit code."""
+    if fault := loopback_fault():
+        return _refuse(f"{fault.what}, where the robot's parts meet; {fault.remedy}")
     network = msgspec.structs.replace(plan.network, rendezvous=f"127.0.0.1:{free_port()}")
     robot = plan.robot.name
     with StopSignal() as stopping:
@@ -57,6 +60,7 @@ def drive(plan: Plan) -> int:
             code = _with_directory(plan, network, connection, stopping, others)
         finally:
             connection.close()
+            remove_run_sockets(network)
         if held is not None:
             held.close()
         return code

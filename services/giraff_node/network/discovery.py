@@ -23,6 +23,7 @@ from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings, expects_robot_file, read
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
+from giraff_node.network.host_addresses import loopback_fault
 from giraff_node.network.replies import gather_answers
 from giraff_node.network.tokens import REPLY_WITHIN, Token, list_robots, robots_of, watch_tokens
 from giraff_schemas.health import Health
@@ -200,7 +201,7 @@ def find_robot(session: zenoh.Session, filed: str, patience: float, *, at_door: 
     while not (found := list_robots(session)):
         if time.monotonic() > deadline:
             named = f"; {DEFAULT_FILE} names {filed}" if filed else ""
-            raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {HOW_TO_REACH}{named}")
+            raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {_how_to_reach()}{named}")
         time.sleep(_ASK_AGAIN)
     time.sleep(_AT_A_DOOR if at_door else _SETTLED)
     return settle(session, sorted({*found, *list_robots(session)}), filed)
@@ -241,7 +242,11 @@ def others(session: zenoh.Session, robot: str) -> str:
 def not_found_text(robot: str, found: Sequence[str]) -> str:
     """What to say of a robot that is not heard where these are; empty: nobody has named one."""
     whom = f"no robot called {robot}" if robot else "no robot"
-    return f"{whom} is heard on the network; {HOW_TO_REACH}{_instead(found, robot) if robot else ''}"
+    return f"{whom} is heard on the network; {_how_to_reach()}{_instead(found, robot) if robot else ''}"
+
+
+def _how_to_reach() -> str:
+    return str(loopback_fault()) or HOW_TO_REACH
 
 
 def _instead(found: Sequence[str], robot: str) -> str:

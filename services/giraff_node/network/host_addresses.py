@@ -13,6 +13,8 @@ import socket
 import struct
 from typing import Final
 
+from giraff_schemas.trouble import WELL, Trouble
+
 _GET_FLAGS: Final = 0x8913  # linux/sockios.h, SIOCGIFFLAGS
 _GET_ADDRESS: Final = 0x8915  # SIOCGIFADDR
 _LOOPBACK: Final = 0x8  # linux/if.h
@@ -34,6 +36,16 @@ def host_addresses() -> frozenset[str]:
 def placed_addresses() -> frozenset[str]:
     """The same, each with its interface: one that moves to a bridge is heard by multicast there alone."""
     return frozenset(f"{address} on {name}" for name, address in _found())
+
+
+def loopback_fault() -> Trouble:
+    """Return why processes of this host cannot meet at its own address. A container's fresh network begins so."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
+        try:
+            asked.connect(("127.0.0.1", 9))  # sends nothing
+        except OSError:
+            return Trouble("this host's loopback is down", "type: sudo ip link set lo up")
+    return WELL
 
 
 def _found() -> list[tuple[str, str]]:

@@ -59,10 +59,15 @@ def socket_folder(network: NetworkConfig, environment: Mapping[str, str] = os.en
 
 def own_socket(folder: Path, service: str) -> Path:
     """Return a path for the socket of one process. What dead processes have left there is removed."""
+    remove_stale_sockets(folder)
+    return folder / f"{service[:12]}-{os.urandom(4).hex()}"
+
+
+def remove_stale_sockets(folder: Path, after: float = _STALE) -> None:
+    """Remove what processes that have been dead for `after` s have left in a folder of sockets."""
     for lock in folder.glob("*.lock"):
         with contextlib.suppress(OSError):
-            _remove_stale(lock)
-    return folder / f"{service[:12]}-{os.urandom(4).hex()}"
+            _remove_stale(lock, after)
 
 
 def live_sockets(folder: Path) -> tuple[str, ...]:
@@ -111,9 +116,9 @@ def _own_folder(environment: Mapping[str, str]) -> Path:
     return folder
 
 
-def _remove_stale(lock: Path) -> None:
+def _remove_stale(lock: Path, after: float) -> None:
     """Remove a socket and its lock that no living process holds. Raises OSError."""
-    if time.time() - lock.stat().st_mtime < _STALE:
+    if time.time() - lock.stat().st_mtime < after:
         return
     socket_path = lock.with_suffix("")
     with contextlib.ExitStack() as held:
