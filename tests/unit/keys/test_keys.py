@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -339,3 +340,14 @@ def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("giraff_cli.options.find_spec", lambda _name: None)
     monkeypatch.delitem(sys.modules, "giraff_cli.keys.manage")
     assert f"is missing; {remedy('cli,keys')}" in refusal("init")
+
+
+def test_a_folder_that_cannot_be_written_is_named_and_no_temporary_one(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path, **_: object) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    told = f"giraff keys init: {here}: Read-only file system; name a folder where you may write with --folder\n"
+    assert refusal("init") == told

@@ -96,7 +96,7 @@ def test_a_write_that_fails_leaves_the_old_file_whole(
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(owner, fails, no_space)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(OSError, match=f"No space left on device: '{tmp_path}/{LATCH_FILE}'$"):
         write_latch(tmp_path, RELEASED)
     assert read_latch(tmp_path) == ENGAGED
     assert [path.name for path in tmp_path.iterdir()] == [LATCH_FILE]
