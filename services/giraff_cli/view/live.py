@@ -150,6 +150,8 @@ def _refusal(recording: Path | None, options: Options) -> str:
         return "--camera and --for are for a live robot; a recording is drawn to its end, with the pictures in it"
     if recording is not None and recording.suffix == ".rrd":
         return f"{recording}: rerun itself opens what --save has written: rerun {shlex.quote(str(recording))}"
+    if recording is not None and options.save is not None and options.save.resolve() == recording.resolve():
+        return f"--save {options.save}: it is the recording itself, which would be lost; name another file"
     if options.picture is not None and recording is None and options.seconds is None:
         return "--picture of a live robot: say when, with --for SECONDS"
     try:

@@ -175,6 +175,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("view", DRIVE, "--picture", "no/such/a.png"), "there is no such folder"),
     (("view", DRIVE, "--save", "no/such/folder.rrd"), "No such file or directory"),
     (("view", DRIVE), "no screen here"),
+    (("view", "a.mcap", "--save", "a.mcap"), "--save a.mcap: it is the recording itself, which would be lost; name"),
     (("view", "none.mcap", "--save", "out.rrd"), "No such file"),
     (("view", "/etc/hostname", "--save", "out.rrd"), "not an MCAP file"),
     (("encoder", "disk", "--pairs", "500"), "pairs is 500: at most 94 fit on an inner diameter of 30 mm"),
