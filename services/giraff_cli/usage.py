@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import sys
 from collections.abc import Iterable
@@ -138,11 +139,8 @@ def _told(error: typer.TyperException, path: str, command: Any, rest: list[str])
 def _setting(rest: list[str]) -> str:
     """Return how `param set` is written, where service, field and value are joined in another way; empty: no idea."""
     words = " ".join(takewhile(lambda word: not word.startswith("--"), rest))
-    match words.replace("=", " ", 1).split():
-        case [name, value] if "." in name:
-            return f"write `giraff param set {name} {shlex.quote(value)}`"
-        case [service, field, value] if "." not in service:
-            return f"write `giraff param set {service}.{field} {shlex.quote(value)}`"
+    if found := re.fullmatch(r"(\w+)[. ]([\w.]+) ?[= ] ?(\S+)", words):
+        return f"write `giraff param set {found[1]}.{found[2]} {shlex.quote(found[3])}`"
     return "write it like `giraff param set guard.margin 0.3`" if "=" in words else ""
 
 

@@ -24,11 +24,6 @@ _DONE: Final = 0
 _TO_DO: Final = 1
 _REFUSED: Final = 2
 
-_REMEDIES: Final = {
-    errno.EACCES: ": whose is it? The one who made the CA makes the bundles, too",
-    errno.EPERM: ": whose is it? The one who made the CA makes the bundles, too",
-    errno.EROFS: "; name a folder where you may write with --folder",
-}
 _BUNDLE: Final = {CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BUNDLE_FILE}
 
 
@@ -212,6 +207,9 @@ def _complain(word: str, error: Exception) -> int:
     text = str(error)
     if isinstance(error, OSError):
         text = f"{error.filename}: {error.strerror}" if error.filename else os.strerror(error.errno or 0)
-        text += _REMEDIES.get(error.errno or 0, "")
+        if isinstance(error, PermissionError):
+            text += ": whose is it? The one who made the CA makes the bundles, too"
+        elif error.errno == errno.EROFS:
+            text += "; name a folder where you may write with --folder"
     print(f"giraff keys {word}: {text}", file=sys.stderr)
     return _REFUSED

@@ -59,8 +59,8 @@ def read_pattern(path: Path) -> Wish:
     try:
         pattern = msgspec.convert(tables, _Pattern)
     except ValueError as error:
-        why = wrong_kind(tables, PATTERN) or f"{plain(error)}; a step is one of {_KINDS}"
-        raise PatternError(f"{path}: {why}") from error
+        why = wrong_kind(tables, PATTERN) or plain(error)
+        raise PatternError(f"{path}: {why}; a step is one of {_KINDS}") from error
     try:
         return _wish(pattern)
     except ValueError as error:

@@ -6,7 +6,7 @@ import random
 import socket
 from typing import Final
 
-OWN_PORTS: Final = range(20_000, 32_000)  # below Linux's range for outgoing connections, 32768 to 60999
+_OWN_PORTS: Final = (20_000, 32_000)  # below Linux's range for outgoing connections, 32768 to 60999
 
 
 def free_port() -> int:
@@ -16,7 +16,7 @@ def free_port() -> int:
     even be given the port for its own end, and be connected to itself.
     """
     while True:
-        port = random.choice(OWN_PORTS)
+        port = random.randrange(*_OWN_PORTS)
         with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
             try:
                 probe.bind(("127.0.0.1", port))

@@ -77,8 +77,7 @@ def set_param(
 def save(names: Names = None, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
     """Keep over restarts what is in force now, on the service's own host; nothing more than the robot file allows.
 
-    Exit code: 0 on disk; 1 refused by one at least, with the reason; 2 no robot, no such parameter, or nobody has
-    answered.
+    Exit code: 0 on disk; 1 refused by one at least, with the reason; 2 no robot, no such name, or no answer.
     """
     from giraff_cli.param.client import save_some  # noqa: PLC0415
 

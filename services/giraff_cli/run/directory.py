@@ -12,12 +12,12 @@ import time
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.network.ports import OWN_PORTS
 from giraff_core.network import NetworkConfig
 from giraff_node.network.sockets import remove_stale_sockets, socket_folder
 
 _PREFIX: Final = "giraff-run-"
 _LOCK: Final = "running"
+_OF_RUNS: Final = "[23][0-9][0-9][0-9][0-9]"  # folders of sockets: by the ports that `free_port` gives
 _ABANDONED: Final = 60.0  # s; a younger folder of sockets may belong to a run that is just starting
 
 
@@ -68,14 +68,12 @@ def run_directories() -> tuple[list[Path], float | None]:
 def remove_run_sockets(network: NetworkConfig) -> None:
     """Remove the folder where the parts of a run met, and those of runs that were killed. One that is in use stays."""
     own = socket_folder(network)
-    for folder in (own,) if network.sockets else own.parent.iterdir():
-        is_of_run = folder.name.isdecimal() and int(folder.name) in OWN_PORTS
-        with contextlib.suppress(OSError):  # another's, in use, or just gone
+    for folder in (own,) if network.sockets else own.parent.glob(_OF_RUNS):
+        after = 0.0 if folder == own else _ABANDONED
+        with contextlib.suppress(OSError):  # in use, or just gone
             status = folder.lstat()
-            if not (is_of_run and stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid()):
-                continue
-            after = 0.0 if folder == own else _ABANDONED
-            if time.time() - status.st_mtime >= after:
+            is_mine = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid()
+            if is_mine and time.time() - status.st_mtime >= after:
                 remove_stale_sockets(folder, after)
                 folder.rmdir()
 

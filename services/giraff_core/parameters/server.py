@@ -80,7 +80,7 @@ class ParameterServer(Generic[ConfigT]):
         try:
             self._params.set(request.name, request.value)
         except ParamError as error:
-            return self._refused(error)
+            return self._answer(Trouble(str(error)), mistyped=isinstance(error, MistypedError))
         answer = self._answer(WELL, request.name)
         if self._params.config == before:
             return answer
@@ -93,7 +93,7 @@ class ParameterServer(Generic[ConfigT]):
         try:
             kept = self._params.to_save(asked.request.names)
         except ParamError as error:
-            asked.answer(self._refused(error))
+            asked.answer(self._answer(Trouble(str(error)), mistyped=isinstance(error, MistypedError)))
             return
         if kept == self._on_disk:
             asked.answer(self._done(asked.request, kept))
@@ -132,10 +132,7 @@ class ParameterServer(Generic[ConfigT]):
         else:
             self._on_disk = self._params.saved
 
-    def _refused(self, error: ParamError) -> ParamAnswer:
-        return msgspec.structs.replace(self._answer(Trouble(str(error))), mistyped=isinstance(error, MistypedError))
-
-    def _answer(self, refusal: Trouble, *names: str) -> ParamAnswer:
+    def _answer(self, refusal: Trouble, *names: str, mistyped: bool = False) -> ParamAnswer:
         return ParamAnswer(
             service=self._service,
             instance=self._instance,
@@ -143,5 +140,6 @@ class ParameterServer(Generic[ConfigT]):
             done=not refusal,
             reason=str(refusal),
             remedy=refusal.remedy,
+            mistyped=mistyped,
             params=() if refusal else self._params.describe(names),
         )

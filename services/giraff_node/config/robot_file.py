@@ -21,7 +21,7 @@ from giraff_core.network import host_and_port
 from giraff_core.robot import WIRING
 from giraff_core.sensors import TABLES as SENSOR_TABLES
 from giraff_core.sensors import by_type
-from giraff_core.toml_kinds import ROBOT_FILE, wrong_kind
+from giraff_core.toml_kinds import ROBOT_FILE, ROBOT_TABLES, wrong_kind
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.text import near, plain
@@ -29,7 +29,7 @@ from giraff_schemas.trouble import Trouble
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
-TABLES: Final = ROBOT_FILE.entries
+TABLES: Final = ROBOT_TABLES
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
 _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
 _QUOTED: Final = re.compile(r"""(["'])((?:(?!\1).)*)\1""")

@@ -201,7 +201,9 @@ def find_robot(session: zenoh.Session, filed: str, patience: float, *, at_door: 
     while not (found := list_robots(session)):
         if time.monotonic() > deadline:
             named = f"; {DEFAULT_FILE} names {filed}" if filed else ""
-            raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {_how_to_reach()}{named}")
+            raise NoRobotError(
+                f"no robot is heard on the network after {patience:g} s; {loopback_fault() or HOW_TO_REACH}{named}"
+            )
         time.sleep(_ASK_AGAIN)
     time.sleep(_AT_A_DOOR if at_door else _SETTLED)
     return settle(session, sorted({*found, *list_robots(session)}), filed)
@@ -242,11 +244,8 @@ def others(session: zenoh.Session, robot: str) -> str:
 def not_found_text(robot: str, found: Sequence[str]) -> str:
     """What to say of a robot that is not heard where these are; empty: nobody has named one."""
     whom = f"no robot called {robot}" if robot else "no robot"
-    return f"{whom} is heard on the network; {_how_to_reach()}{_instead(found, robot) if robot else ''}"
-
-
-def _how_to_reach() -> str:
-    return str(loopback_fault()) or HOW_TO_REACH
+    instead = _instead(found, robot) if robot else ""
+    return f"{whom} is heard on the network; {loopback_fault() or HOW_TO_REACH}{instead}"
 
 
 def _instead(found: Sequence[str], robot: str) -> str:

@@ -41,11 +41,8 @@ def placed_addresses() -> frozenset[str]:
 def loopback_fault() -> Trouble:
     """Return why processes of this host cannot meet at its own address. A container's fresh network begins so."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
-        try:
-            asked.connect(("127.0.0.1", 9))  # sends nothing
-        except OSError:
-            return Trouble("this host's loopback is down", "type: sudo ip link set lo up")
-    return WELL
+        is_up = asked.connect_ex(("127.0.0.1", 9)) == 0  # sends nothing
+    return WELL if is_up else Trouble("this host's loopback is down", "type: sudo ip link set lo up")
 
 
 def _found() -> list[tuple[str, str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import msgspec
 import pytest
 
 from giraff_cli.param import client
@@ -64,3 +65,14 @@ def test_what_is_meant_is_told(
     code, out, complaint = typed(monkeypatch, capsys, "param", *words, "--robot", "sim-test")
     assert told in out + complaint
     assert (code, bool(out), complaint.count("\n")) == ((0, True, 0) if out else (2, False, 1))
+
+
+@pytest.mark.parametrize(("mistyped", "code"), [(True, 2), (False, 1)])
+def test_nothing_is_tried_with_what_is_mistyped(
+    mistyped: bool, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = msgspec.structs.replace(answer("guard"), done=False, reason="no", params=(), mistyped=mistyped)
+    monkeypatch.setattr(client, "_ask", lambda *_: {"guard": said})
+    meet(monkeypatch, alive_key("sim-test", "guard", "guard"))
+    for words in (("set", "guard.margin", "30cm"), ("save", "guard.marign")):
+        assert typed(monkeypatch, capsys, "param", *words, "--robot", "sim-test") == (code, "", "giraff: no\n")

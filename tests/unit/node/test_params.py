@@ -14,7 +14,7 @@ from giraff_cli.param.format import Shown, without_moved
 from giraff_core.bounds import require_positive
 from giraff_core.inbox import Inbox
 from giraff_core.parameters.server import ParameterServer
-from giraff_core.parameters.table import ParamError, Parameters
+from giraff_core.parameters.table import MistypedError, ParamError, Parameters
 from giraff_core.robot import MOVED_TO_DRIVE
 from giraff_core.tuning import Tuning
 from giraff_node.process.state import Folder
@@ -100,6 +100,8 @@ def test_what_is_refused_changes_nothing(params: Parameters[Config], name: str, 
     with pytest.raises(ParamError) as refused:
         params.set(name, value)
     assert why in str(refused.value)
+    is_ruled = any(word in why for word in ("looser", "cannot change", "shared"))
+    assert isinstance(refused.value, MistypedError) is not is_ruled
     assert params.config == Config()
 
 
@@ -259,14 +261,23 @@ def test_a_drive_is_a_row_a_field_and_fixed() -> None:
             params.set(name, 60)
 
 
+SETS = (("margin", 0.5), ("marign", 0.5), ("margin", 0.1))
+
+
 def test_what_was_set_is_told_before_the_service_goes_by_it(params: Parameters[Config], tmp_path: Path) -> None:
     order: list[Any] = []
     server = ParameterServer("guard", "guard-1", "host", params, Folder(tmp_path), lambda *_: None)
     server.on_set = lambda answer: order.append([(param.name, param.value) for param in answer.params])
-    sets: Inbox[Any] = Inbox(2)
-    for name in ("margin", "marign"):
-        sets.accept(Asked(ParamSet(name=name, value=0.5, by="carer")))
+    sets: Inbox[Any] = Inbox(3)
+    asked = [Asked(ParamSet(name=name, value=value, by="carer")) for name, value in SETS]
+    for each in asked:
+        sets.accept(each)
     server.turn(Inbox(1), sets, Inbox(1), lambda config: order.append(config.margin))
+    assert [each.said and (each.said.done, each.said.mistyped) for each in asked] == [
+        (True, False),
+        (False, True),
+        (False, False),
+    ]
     assert order == [[("margin", 0.5)], 0.5]
 
 
