@@ -43,21 +43,24 @@ class Paragraph:
     rows: int
     indent: int
     """Of the other rows, characters."""
+    low_rows: int | None = None
+    """Rows in a terminal that is lower than ROWS. None: as many."""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         width, head = options.max_width, self.head.cell_len
+        count = self.rows if self.low_rows is None or console.height >= ROWS else self.low_rows
         lines = textwrap.wrap(
             printable(self.text),
             width,
             initial_indent=" " * head,
             subsequent_indent=" " * self.indent,
-            max_lines=self.rows,
+            max_lines=count,
             placeholder=" …",
         )
         first, *more = lines or [""]
         rows = [Text.assemble(self.head, (first[head:], self.style))]
         rows += [Text.assemble(" " * self.indent, (line[self.indent :], self.style)) for line in more]
-        for row in islice([*rows, *[Text()] * self.rows], self.rows):
+        for row in islice([*rows, *[Text()] * count], count):
             row.no_wrap, row.overflow = True, "ellipsis"
             yield row
 
@@ -92,6 +95,8 @@ class DrivePicture:
             _labelled("ROBOT", *self.standing(), rows=1),
             _labelled("WHY", *self.reason()),
             _labelled("STOP", *self.stopping()),
+            *self._keys(),  # a terminal that is too low lacks what is at the bottom
+            Text(),
             *_directions(snapshot),
             Text(),
             beside(
@@ -99,8 +104,6 @@ class DrivePicture:
                 blocks.motion(*moving(snapshot), style=blocks.dim(snapshot.odometry)),
                 blocks.pose(snapshot),
             ),
-            Text(),
-            *self._keys(),
         )
 
     def standing(self) -> tuple[str, str]:
@@ -159,9 +162,9 @@ class DrivePicture:
     def _keys(self) -> Iterator[RenderableType]:
         linear, angular = self.speed
         speed = f"{self.step}/{self.steps}: {linear:.2f} m/s, {angular:.2f} rad/s"
-        rows = (
-            (("← ↑ ↓ →", "or w a s d, held, drive"), ("SPACE", "stops"), ("r", "releases the stop")),
-            (("c", "takes it, stands"), ("+ -", f"speed {speed}"), ("Ctrl-C", "ends")),
+        rows = (  # a terminal that is too narrow lacks what is on the right
+            (("SPACE", "stops"), ("r", "releases the stop"), ("← ↑ ↓ →", "or w a s d, held, drive")),
+            (("Ctrl-C", "ends"), ("c", "takes it, stands"), ("+ -", f"speed {speed}")),
         )
         for number, row in enumerate(rows):
             text = Text(no_wrap=True, overflow="ellipsis")
@@ -187,4 +190,4 @@ def _directions(snapshot: Snapshot) -> Iterator[Paragraph]:
             unit = "rad/s" if label.startswith("turn") else "m/s"
             head.append(f"{verdict.allowed:.2f} {unit:<6}", style="default")
             why = for_keys("; ".join(text for text in (verdict.reason, verdict.way_out) if text))
-        yield Paragraph(head, why, "default", _ROWS_OF_A_DIRECTION, _DIRECTION)
+        yield Paragraph(head, why, "default", _ROWS_OF_A_DIRECTION, _DIRECTION, low_rows=1)

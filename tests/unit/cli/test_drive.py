@@ -48,6 +48,8 @@ HELD = f"held by joystick (6542d227) until it rests for 30 s, is silent for 1 s 
 FROZEN = "front_right is frozen: it repeats one echo while the robot moves; check it, or look for slip"
 BLOCKED = verdict(0.0, "blocked", "front_right", FROZEN, "turn left or back up")
 STUCK = engaged_by(Latch.RIGHT_STUCK)
+KEYS_END = 9
+"""The last row that tells the keys."""
 
 
 def all_blocked(reason: Verdict = BLOCKED) -> GuardState:
@@ -84,8 +86,8 @@ class Desk:
         return self.view.draw(self.person.policy, self.stop, self.person.now)
 
 
-def drawn(picture: DrivePicture, width: int = COLUMNS) -> list[str]:
-    console = Console(file=io.StringIO(), width=width, height=ROWS, color_system=None)
+def drawn(picture: DrivePicture, width: int = COLUMNS, height: int = ROWS) -> list[str]:
+    console = Console(file=io.StringIO(), width=width, height=height, color_system=None)
     with console.capture() as capture:
         console.print(picture.render())
     return capture.get().splitlines()
@@ -203,7 +205,15 @@ def test_it_fills_24_rows_of_the_terminal_and_never_more(case: str, width: int) 
     rows = drawn(CASES[case][0].picture, width)
     assert len(rows) == ROWS
     assert all(len(row) <= width for row in rows)
-    assert "Ctrl-C ends" in rows[-1]
+    assert "Ctrl-C ends" in rows[KEYS_END]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_small_terminal_tells_how_to_stop_release_and_end(case: str) -> None:
+    rows = drawn(CASES[case][0].picture, 60, 20)
+    assert len(rows) == 20
+    assert "SPACE stops   r releases the stop   ← ↑ ↓ →" in rows[KEYS_END - 1]
+    assert "Ctrl-C ends   c takes it, stands   + -" in rows[KEYS_END]
 
 
 @pytest.mark.parametrize("cause", [HELD, ARM, f"front_right and front_left: {FROZEN}"])
@@ -228,7 +238,7 @@ def test_what_the_network_says_can_neither_steer_the_terminal_nor_move_a_row() -
     rows = drawn(desk.picture)
     assert len(rows) == ROWS
     assert all(row.isprintable() for row in rows)
-    assert "Ctrl-C ends" in rows[-1]
+    assert "Ctrl-C ends" in rows[KEYS_END]
 
 
 def test_what_is_old_is_not_shown_as_if_it_were_now() -> None:
