@@ -89,6 +89,9 @@ def _with_directory(
     say(f"meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it{see}")
     for command in invitation.lines(camera=bool(plan.camera)):
         say(f"    {command}")
+    if plan.localize:
+        say("localization is told where the robot is once it has read its map; to have it look anywhere instead:")
+        say(f"    {invitation.command('localize', '--global')}")
     directory = RunDirectory()
     code = FAILED
     try:

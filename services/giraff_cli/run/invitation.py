@@ -21,7 +21,7 @@ class Invitation:
     giraff: Sequence[str]
     """The words that call it."""
     robot: str
-    """Empty: it is found without its name, being the simulation of this host, and alone."""
+    """Empty: it is found without its name, being the simulation of this host, and alone where it is called."""
     connect: str
     """Address at which the run is called; empty: it is found without."""
     robot_file: Path | None
@@ -69,7 +69,7 @@ def invite(
     connect = "" if is_announced or network.session_file else network.rendezvous
     return Invitation(
         giraff=giraff,
-        robot="" if is_only_here and is_announced else robot,
+        robot="" if is_only_here and is_plain else robot,
         connect=connect,
         robot_file=None if is_plain else robot_file,
     )

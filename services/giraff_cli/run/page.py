@@ -9,13 +9,16 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.terminal.addresses import with_loopback
+from giraff_cli.terminal.addresses import CodeScreen, with_loopback
 from giraff_core.kinematics.pose import Pose
 from giraff_sim.world.room import Room
 from giraff_web.messages import Room as Walls
 
 ROOM_FILE: Final = "room.json"
+CODE_KEY: Final = "c"
 _ANNOUNCED: Final = "to drive, open "
+_NO_NETWORK: Final = "this computer is in no network. Connect it to the phone's network, and start the run again."
+_KEPT_OFF: Final = "--local, or the address that [web] names, keeps it off the network. Start the run without."
 
 
 class _Line(msgspec.Struct):
@@ -45,6 +48,19 @@ class Page:
         self._everywhere = everywhere
         self.addresses: tuple[str, ...] = ()
         """The newest; empty: none so far."""
+
+        self._shows_code = False
+
+    def on_keys(self, typed: str) -> None:
+        """Show the code from its key on, until any key is typed. `typed`: since the last call."""
+        if typed:
+            self._shows_code = not self._shows_code and CODE_KEY in typed
+
+    @property
+    def code(self) -> CodeScreen | None:
+        """What a person looks at instead of the run. None: at the run."""
+        why_here = _NO_NETWORK if self._everywhere else _KEPT_OFF
+        return CodeScreen(self.addresses, why_here) if self._shows_code else None
 
     def look(self) -> bool:
         """Whether there are new ones since the last call."""

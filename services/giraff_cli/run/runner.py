@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import contextlib
 import math
+import secrets
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.run.announcer import Announcer
 from giraff_cli.run.driver import Driver
 from giraff_cli.run.joystick import Joystick
+from giraff_cli.run.page import CODE_KEY
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.processes import Ended
 from giraff_cli.run.screen import Frame, RunView
@@ -24,15 +27,17 @@ from giraff_cli.run.simulated_robot import SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal import addresses
+from giraff_cli.terminal.keys import Keys
 from giraff_cli.terminal.screen import LineScreen, NullScreen, Screen, Terminal, as_svg, open_screen, say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
-from giraff_node.network.query_client import EStopClient, request_estop
+from giraff_node.network.query_client import EStopClient, QueryClient, request_estop
 from giraff_node.process.state import write_file_durably
+from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose
 from giraff_schemas.messages import Sample
 from giraff_schemas.services import CAMERA, DEMONSTRATION, LOCALIZATION, SIMULATED, VISION, WEB
 from giraff_schemas.text import printable_lines
-from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
+from giraff_schemas.topics import LEASE, LOCALIZATION_SET_POSE, POSE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
 from giraff_sim.world.room import read_room
 from giraff_telemetry.layout import Standing
@@ -83,6 +88,8 @@ class Run:
         self._stopping = stopping
         self._hints = hints
         self._look_hint = look
+        self._placing: QueryClient[LocalizationSetPose, LocalizationAnswer] | None = None
+        self._is_placed = not plan.localize
         self._joystick = Joystick(robot, is_driven=plan.driver == "demo")
         self._announcer: Announcer | None = None
         self._driver: Driver | None = None
@@ -91,6 +98,8 @@ class Run:
         beside = (*([LOCALIZATION.name] if plan.localize else []), *([VISION.name] if plan.camera else []))
         self._awaited = {*self._services, *beside} - {WEB.name}
         self._screen: Screen = NullScreen()
+        self._keys: Keys | None = None
+        """None: nobody can type, or a hand reads the keys."""
         self._failures: list[str] = []
         self._ended: Ended | None = None
         """The service that ended last."""
@@ -125,6 +134,8 @@ class Run:
         self._await_page()
         if self._plan.driver != "keyboard":  # whoever drives has the terminal
             self._screen = open_screen()
+            if self._page is not None and isinstance(self._screen, Terminal) and sys.stdin.isatty():
+                self._keys = Keys()
         try:
             self._await_services(telemetry)
             self._began_ns = robot_now_ns()
@@ -138,6 +149,8 @@ class Run:
             self._come_to_rest(telemetry)
         finally:
             self._screen.close()
+            if self._keys is not None:
+                self._keys.close()
 
     def _await_services(self, telemetry: RunTelemetry) -> None:
         deadline = time.monotonic() + _SERVICES_WITHIN
@@ -161,6 +174,18 @@ class Run:
                 self._failures.append(f"the page has told no address after {_SERVICES_WITHIN:g} s")
                 return
         addresses.tell(self._page.addresses)
+
+    def _tell_place(self, telemetry: RunTelemetry) -> None:
+        """Tell localization once where the robot is, as a person does who puts it on its mark. Never waits."""
+        said = telemetry.latest(POSE, robot_now_ns())
+        if self._is_placed or said is None or said.sample.state == "no_map":
+            return
+        if self._placing is None:
+            place = self._robot.truth().pose
+            asked = LocalizationSetPose(by="giraff run", id=secrets.randbits(63), x=place.x, y=place.y, yaw=place.yaw)
+            self._placing = QueryClient(self._connection.session, self._plan.robot.name, LOCALIZATION_SET_POSE, asked)
+        if (answer := self._placing.poll(time.monotonic())) is not None:
+            self._is_placed, self._placing = answer.done, None  # after a refusal the robot may be elsewhere
 
     def _drive(self, telemetry: RunTelemetry) -> None:
         until = math.inf if self._plan.seconds is None else time.monotonic() + self._plan.seconds
@@ -211,12 +236,15 @@ class Run:
         self._connection.dispatch(_Audience(telemetry, self._joystick))
         self._joystick.hold(robot_now_ns() * 1e-9)
         telemetry.see(self._robot.truth())
+        self._tell_place(telemetry)
         if self._announcer is not None:
             self._announcer.tell(telemetry.true_pose, telemetry.walls)
         if self._page is not None and self._page.look() and isinstance(self._screen, LineScreen):
             addresses.tell(self._page.addresses)
+        if self._page is not None and self._keys is not None:
+            self._page.on_keys(self._keys.read())
         try:
-            self._screen.show(self._view(telemetry))
+            self._screen.show(replace(self._view(telemetry), code=self._page.code if self._page else None))
         except OSError:  # whoever watched has gone
             self._screen = NullScreen()
             self._stopping.ask()
@@ -244,7 +272,8 @@ class Run:
     def _view(self, telemetry: RunTelemetry) -> RunView:
         now_ns = robot_now_ns()
         told = () if self._page is None else self._page.addresses
-        hints = [f"drive it: {told[0]}", *self._hints[1:]] if told else self._hints
+        far = addresses.of_others(told)
+        hints = [f"drive it: {far or told[0]}", *self._hints[1:]] if told else self._hints
         frame = Frame(
             robot=self._plan.robot.name,
             boards=self._plan.boards,
@@ -253,7 +282,8 @@ class Run:
             seconds=self._plan.seconds,
             hints=hints,
             note=self._joystick.note,
-            address=addresses.of_others(told),
+            address=far,
+            code_key="" if self._keys is None else CODE_KEY,
             services={service: self._standing(service, telemetry) for service in self._services},
             look=self._look_hint,
             vision=self._standing(VISION.name, telemetry) if self._plan.camera else None,

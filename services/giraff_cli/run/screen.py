@@ -13,7 +13,7 @@ from rich.text import Text
 
 from giraff_cli.run.line import line
 from giraff_cli.run.telemetry import RunSnapshot
-from giraff_cli.terminal.addresses import BesideCode, Code
+from giraff_cli.terminal.addresses import BesideCode, Code, CodeScreen
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
 from giraff_telemetry import panels as blocks
@@ -42,6 +42,8 @@ class Frame:
     """What the demonstration does instead of driving; empty: it drives."""
     address: str
     """Of the page, for another host; empty: there is none."""
+    code_key: str = ""
+    """The key that shows the code of the page's address. Empty: none does."""
     services: dict[str, Standing]
     localization: Standing | None
     """Of the service that looks for it on the map; None: there is none."""
@@ -61,6 +63,8 @@ class RunView:
 
     snapshot: RunSnapshot
     frame: Frame
+    code: CodeScreen | None = None
+    """What a person looks at instead."""
 
     @property
     def elapsed(self) -> float:
@@ -68,17 +72,18 @@ class RunView:
         return self.frame.elapsed
 
     def render(self) -> RenderableType:
-        return view(self.snapshot, self.frame)
+        return self.code or view(self.snapshot, self.frame)
 
     def line(self) -> str:
         told = line(self.snapshot, self.elapsed)
         return f"{told} | {self.frame.note}" if self.frame.note else told
 
 
-def _hints(frame: Frame) -> list[str]:
-    """As many rows whatever they say."""
-    first, *others = frame.hints
-    return others if frame.ended else [frame.note or first, *others]
+def _hints(frame: Frame) -> list[Text]:
+    """As many rows whatever they say, but for a command or an address that is longer than a row: it is to be typed."""
+    first, *others = (Text(printable(hint), style="green", overflow="fold") for hint in frame.hints)
+    note = Text(printable(frame.note), style="green", no_wrap=True, overflow="ellipsis")
+    return others if frame.ended else [note if frame.note else first, *others]
 
 
 def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
@@ -87,7 +92,7 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
     picture = Group(
         _header(frame),
         *([notice(frame.ended)] if frame.ended else []),
-        *(Text(printable(hint), style="green", no_wrap=True, overflow="ellipsis") for hint in _hints(frame)),
+        *_hints(frame),
         beside(_poses(snapshot), blocks.motion(truth.path, truth.speed, truth.turn), _hand(snapshot)),
         beside(blocks.ranges(snapshot), blocks.base(snapshot, ("command", _age(snapshot)))),
         blocks.guard(snapshot),
@@ -127,6 +132,7 @@ def _header(frame: Frame) -> RenderableType:
         time += f" of {clock(frame.seconds)}"
     return header(
         (f"giraff run · {frame.robot}", "bold"),
+        *([(f" · {frame.code_key} shows the code", "green")] if frame.code_key else []),
         (f" · {frame.boards} boards · seed {frame.seed} · ", "dim"),
         (time, "bold"),
     )

@@ -23,6 +23,7 @@ _MARK: Final = "page: "
 _QUIET: Final = 2
 """Modules of margin around a code. The standard has 4; a phone reads it with 2, and it fits more terminals."""
 _GAP: Final = 2  # characters
+_BENEATH: Final = 3  # rows of a screen with a code: its address, which may take two, and what to do
 _INK: Final = "#ffffff on #000000"
 """Whatever the terminal's own colours are: a code that is light on dark for one and dark on light for the other is read
 by some phones only."""
@@ -120,6 +121,27 @@ class BesideCode:
         grid = Table.grid(Column(ratio=1), Column(width=width), padding=(0, _GAP, 0, 0), pad_edge=False, expand=True)
         grid.add_row(self.picture, self.code)
         yield grid
+
+
+@dataclass(frozen=True)
+class CodeScreen:
+    """A whole screen with the code of the address that a phone can open, and that address in letters."""
+
+    addresses: Sequence[str]
+    why_here: str
+    """Why no other host can open any of them, where it is so."""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        if far := of_others(self.addresses):
+            rows = Code(far).rows()
+            columns, height = len(rows[0]), len(rows) + _BENEATH
+            fits = columns <= options.max_width and height <= (options.height or console.height)
+            small = f"The code needs {columns} columns and {height} rows: enlarge the terminal."
+            yield Code(far) if fits else Text(small)
+        else:
+            yield Text(f"There is no code: no other host can open the page, since {self.why_here}")
+        yield Text(far or "\n".join(self.addresses), overflow="fold")
+        yield Text(f"{'Scan it with a phone in the same network. ' if far else ''}Any key goes back.")
 
 
 @lru_cache(maxsize=1)

@@ -53,7 +53,7 @@ def test_a_run_looks_for_its_robot_on_its_own_map(command: Command, tmp_path: Pa
     with command.start(*words) as process:
         line = line_of(process, "giraff drive")
         target = shlex.split(line)[shlex.split(line).index("drive") + 1 :]
-        line_of(process, " | map lost: ")
+        line_of(process, " | map told x ")
         assert len(command.pids()) == PROCESSES + 1
         asked = until_done("--at", "0.1,0,0deg")
         assert asked.stderr == ""

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
+from rich.screen import Screen
 from rich.text import Text
 
 from giraff_cli.terminal import addresses
-from giraff_cli.terminal.addresses import BesideCode, Code
+from giraff_cli.terminal.addresses import BesideCode, Code, CodeScreen
 
 ONCE = "hMmDbpDbMPVvSFEbH7bN3w"
 FAR = f"https://192.168.1.7:8443/#{ONCE}"
@@ -118,6 +119,41 @@ def test_a_code_stands_beside_a_picture_where_both_fit(width: int, is_there: boo
     assert len(lines) == 24
     assert [line[:80] for line in lines] == ["-" * 80] * 24
     assert ("█" in capture.get()) is is_there
+
+
+LONGEST = f"https://[2001:db8:1234:5678:9abc:def0:1234:5678]:65535/#{ONCE}xx"
+
+
+def screen_of(shown: CodeScreen, width: int = 80, height: int = 24) -> list[str]:
+    """As `giraff run` shows it: what does not fit is cut off."""
+    console = Console(file=io.StringIO(), width=width, height=height, color_system=None)
+    with console.capture() as capture:
+        console.print(Screen(shown))
+    return [row.rstrip() for row in capture.get().splitlines()]
+
+
+@pytest.mark.parametrize(("address", "code"), [(FAR, 33), (LONGEST, 41)])
+def test_a_code_and_its_address_fill_80_by_24_at_most(address: str, code: int) -> None:
+    rows = screen_of(CodeScreen([HERE, address], ""))
+    assert len(Code(address).rows()[0]) == code
+    assert rows[: len(Code(address).rows())] == Code(address).rows()
+    told = "".join(rows[len(Code(address).rows()) :])
+    assert told == f"{address}Scan it with a phone in the same network. Any key goes back."
+
+
+@pytest.mark.parametrize(("width", "height"), [(32, 24), (80, 19)])
+def test_a_terminal_too_small_for_a_code_is_told_what_it_needs(width: int, height: int) -> None:
+    told = "".join(screen_of(CodeScreen([FAR], ""), width, height)).replace(" ", "")
+    assert "█" not in told
+    assert "33columnsand20rows" in told
+    assert FAR in told
+
+
+def test_a_code_that_no_phone_could_use_is_not_shown() -> None:
+    rows = screen_of(CodeScreen([HERE], "this computer is in no network. Connect it."))
+    assert rows[0].startswith("There is no code: no other host can open the page")
+    assert HERE in rows
+    assert code_rows("\n".join(rows)) == []
 
 
 def test_whoever_has_read_enough_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,13 +30,11 @@ def invited(
     [
         (invited(NetworkConfig(rendezvous=AT), TUNNEL, WIRED), "giraff drive"),
         (invited(NetworkConfig(rendezvous=AT), WIRED, is_only_here=False), "giraff drive --robot sim-here"),
-        (invited(NetworkConfig(rendezvous=AT), TUNNEL), f"giraff drive --robot sim-here --connect {AT}"),
-        (invited(NetworkConfig(rendezvous=AT)), f"giraff drive --robot sim-here --connect {AT}"),
-        (invited(NetworkConfig(rendezvous=AT, local=True), WIRED), f"giraff drive --robot sim-here --connect {AT}"),
-        (
-            invited(NetworkConfig(rendezvous=AT, connect=("10.0.0.2",)), WIRED),
-            f"giraff drive --robot sim-here --connect {AT}",
-        ),
+        (invited(NetworkConfig(rendezvous=AT), TUNNEL), f"giraff drive --connect {AT}"),
+        (invited(NetworkConfig(rendezvous=AT)), f"giraff drive --connect {AT}"),
+        (invited(NetworkConfig(rendezvous=AT), is_only_here=False), f"giraff drive --robot sim-here --connect {AT}"),
+        (invited(NetworkConfig(rendezvous=AT, local=True), WIRED), f"giraff drive --connect {AT}"),
+        (invited(NetworkConfig(rendezvous=AT, connect=("10.0.0.2",)), WIRED), f"giraff drive --connect {AT}"),
         (
             invited(NetworkConfig(rendezvous=AT, mode="fixed"), WIRED),
             f"'GIRAFF_CONFIG={FILE}' giraff drive --robot sim-here --connect {AT}",

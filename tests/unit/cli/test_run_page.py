@@ -10,7 +10,7 @@ from unittest.mock import MagicMock
 import msgspec
 import pytest
 
-from giraff_cli.run.page import Page, walls_of, write_room
+from giraff_cli.run.page import CODE_KEY, Page, walls_of, write_room
 from giraff_node.process.logs import service_logger
 from giraff_sim.board import ROOT
 from giraff_sim.world.room import Pose, Room, read_room
@@ -94,3 +94,22 @@ def test_it_is_what_the_service_says(monkeypatch: pytest.MonkeyPatch, log: Path)
     page = Page(log, everywhere=False)
     assert page.look()
     assert page.addresses == ("https://a:1/#one",)
+
+
+def test_its_code_is_on_a_key_and_any_key_goes_back(log: Path) -> None:
+    log.write_text(line("to drive, open https://192.168.1.7:8443/#one"), encoding="utf-8")
+    page = Page(log, everywhere=True)
+    page.look()
+    shown = []
+    for typed in ("", "x", "c", "", "x", "c", "c", "xc", " "):
+        page.on_keys(typed)
+        shown.append(page.code is not None)
+    assert shown == [False, False, True, True, False, True, False, True, False]
+
+
+@pytest.mark.parametrize(("everywhere", "why"), [(True, "is in no network"), (False, "--local")])
+def test_where_no_other_host_can_open_it_the_key_says_why(log: Path, everywhere: bool, why: str) -> None:
+    page = Page(log, everywhere=everywhere)
+    page.on_keys(CODE_KEY)
+    assert page.code is not None
+    assert why in page.code.why_here
