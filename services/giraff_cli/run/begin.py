@@ -86,11 +86,11 @@ def _with_directory(
     invitation = _invitation(plan, network, others)
     say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
     see = ", see by it" if plan.camera else ""
-    say(f"meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it{see}")
+    say(f"in another terminal: drive it, stop it, ask why it stands, watch it{see}")
     for command in invitation.lines(camera=bool(plan.camera)):
         say(f"    {command}")
     if plan.localize:
-        say("localization is told where the robot is once it has read its map; to have it look anywhere instead:")
+        say("localization is told where the robot starts; to have it look anywhere instead:")
         say(f"    {invitation.command('localize', '--global')}")
     directory = RunDirectory()
     code = FAILED

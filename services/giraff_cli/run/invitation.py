@@ -5,13 +5,18 @@ from __future__ import annotations
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from giraff_cli.network.interfaces import Interface
 from giraff_core.network import NetworkConfig
 
 _VERBS = (("drive",), ("stop",), ("why",), ("watch",))
-_LOOK = ("camera", "view")
+
+
+def _look() -> tuple[str, ...]:
+    """Return the verb that shows what the camera sees: in a window where its library is here, else as a file."""
+    return ("camera", "view") if find_spec("rerun") else ("camera", "view", "--save", "look.jpg")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,11 +47,11 @@ class Invitation:
     @property
     def look(self) -> str:
         """How to see what its camera sees."""
-        return f"see by it: {self.command(*_LOOK)}"
+        return f"see by it: {self.command(*_look())}"
 
     def lines(self, *, camera: bool = False) -> list[str]:
         """Drive it, stop it, ask it why it does not move, watch it; with a camera, see by it."""
-        return [self.command(*verb) for verb in (*_VERBS, *([_LOOK] if camera else []))]
+        return [self.command(*verb) for verb in (*_VERBS, *([_look()] if camera else []))]
 
 
 def invite(

@@ -93,7 +93,11 @@ def test_without_a_program_its_package_is_called(program: Path) -> None:
     assert shlex.join(called_anywhere()) == f"{sys.executable} -m giraff_cli"
 
 
-def test_a_run_with_a_camera_tells_how_to_see_by_it() -> None:
+@pytest.mark.parametrize(("library", "line"), [("rerun", "camera view"), (None, "camera view --save look.jpg")])
+def test_a_run_with_a_camera_tells_how_to_see_by_it_with_what_is_installed(
+    library: str | None, line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("giraff_cli.run.invitation.find_spec", lambda _: library)
     invitation = invited(NetworkConfig(rendezvous=AT), WIRED)
-    assert invitation.lines(camera=True) == [*invitation.lines(), "giraff camera view"]
-    assert invitation.look.endswith("giraff camera view")
+    assert invitation.lines(camera=True) == [*invitation.lines(), f"giraff {line}"]
+    assert invitation.look.endswith(f"giraff {line}")

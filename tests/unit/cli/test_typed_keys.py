@@ -49,7 +49,7 @@ def test_keys_are_read_one_by_one_and_the_terminal_is_left_as_it_was(person: Per
     with pytest.raises(BlockingIOError):
         os.read(person.types, 1)  # no echo
     assert person.modes()[3] & termios.ISIG, "Ctrl-C ends the run"
-    person.type(b"ls")
+    person.type(b"ls\n")
     keys.close()
     assert person.modes() == before
     os.set_blocking(person.terminal, False)
