@@ -1,4 +1,4 @@
-"""Gains that `giraff tune speed` finds, on robots whose robot file has bad ones. The true wheels judge them."""
+"""Gains that `giraff tune speed` finds, on robots whose robot file has others. The true wheels judge them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import msgspec
 import pytest
 
 from giraff_base.drives.wheels.config import SpeedControl
-from giraff_cli.tune.speed_fit import DISTANCE, SPEED, identify, legs_of, propose
+from giraff_cli.tune.speed_fit import DISTANCE, SPEED, Leg, follow, legs_of, measure
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import BoardKind, WheelsFrame
 from giraff_sim.board import Implementation
@@ -43,16 +43,17 @@ class Robot(NamedTuple):
     """Factor on all gains."""
     filed_time: float
     """s. Time constant in the robot file."""
-    was_good: bool
-    """It follows well all the same, with gains that are too high."""
+    is_kept: bool = False
+    """It follows as well as a drive can tell."""
+    is_better: bool = True
+    """It follows better by the gains that are found, in all that is judged."""
 
 
 ROBOTS: Final = (
-    Robot(0.27, 0.3, 0.45, was_good=False),
-    Robot(0.08, 3.0, 0.3, was_good=True),
-    Robot(0.3, 0.3, 0.0, was_good=False),
-    Robot(0.1, 0.3, 0.45, was_good=False),
-    Robot(0.22, 3.0, 0.6, was_good=True),
+    Robot(0.27, 0.3, 0.45),
+    Robot(0.08, 3.0, 0.3, is_kept=True),
+    Robot(0.36, 1.0, 0.45, is_kept=True),
+    Robot(0.36, 2.5, 0.2, is_better=False),
 )
 
 
@@ -88,9 +89,9 @@ class Drive(BaseLine):
             self.go(0.0, 0.0, REST)
         return Follow(max(0.0, fastest / SPEED - 1.0), error)
 
-    def heard(self) -> list[Wheels]:
-        """Return the telemetry as base publishes it."""
-        return [
+    def heard(self) -> list[Leg]:
+        """Return what the command makes of the telemetry, as base publishes it."""
+        wheels = [
             Wheels(
                 instance="base",
                 left_ticks=frame.left_ticks,
@@ -105,6 +106,7 @@ class Drive(BaseLine):
             )
             for frame in self.all(WheelsFrame)
         ]
+        return legs_of(wheels, (ROBOT.ticks_per_metre, ROBOT.ticks_per_metre))
 
 
 @contextmanager
@@ -129,15 +131,21 @@ def spoiled(robot: Robot) -> SpeedControl:
 
 
 @pytest.mark.parametrize("seed", range(len(ROBOTS)))
-def test_the_drive_after_one_tune_is_a_good_one(seed: int) -> None:
+def test_gains_are_changed_only_for_a_better_drive(seed: int) -> None:
     robot = ROBOTS[seed]
     with driven(seed, spoiled(robot)) as line:
-        before = line.legs(1, -1)
-        motors = [identify(leg) for leg in legs_of(line.heard(), (ROBOT.ticks_per_metre, ROBOT.ticks_per_metre))]
-    proposal = propose(motors, spoiled(robot))
-    assert proposal.control.motor_time == pytest.approx(robot.motor_time, rel=0.1, abs=0.01)
+        before, as_filed = line.legs(1, -1), line.heard()
+    _, proposal = measure(as_filed, spoiled(robot))
+    off = proposal.control.motor_time / robot.motor_time - 1.0
+    assert abs(off) <= min(proposal.bound["motor_time"], 0.1), "no more than it tells, and little"
     assert proposal.changes(spoiled(robot))
+    assert follow(as_filed).is_good == robot.is_kept
+    if robot.is_kept:
+        assert before.is_good
+        return
     with driven(seed, proposal.control) as line:
-        after = line.legs(1)
-    assert before.is_good == robot.was_good
+        after, as_found = line.legs(1, -1), line.heard()
+    assert follow(as_found).beats(follow(as_filed)) == robot.is_better
+    assert (after.error <= before.error + 0.001) == robot.is_better
+    assert not follow(as_filed).beats(follow(as_found))
     assert after.is_good

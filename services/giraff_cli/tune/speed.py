@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -13,21 +13,14 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import (
-    RobotFileError,
-    before_today,
-    document,
-    own_robot_file,
-    record,
-    rehearse,
-    still_overriding,
-)
+from giraff_cli.robot_file import RobotFileError, document, own_robot_file, rehearse, still_overriding
 from giraff_cli.terminal.document import Report, no_report, print_report
 from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
-from giraff_cli.tune.speed_fit import DISTANCE, FOUND, CannotTellError, fastest, identify, legs_of, propose
-from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_motors
+from giraff_cli.tune.speed_fit import DISTANCE, RULE, CannotTellError, Follow, Leg, fastest, follow, legs_of, measure
+from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_follow, tell_motors
+from giraff_cli.tune.trial import TABLE, on_trial
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.messages import Wheels
@@ -37,11 +30,8 @@ DONE: Final = 0
 REFUSED: Final = 1
 _INTERRUPTED: Final = 130
 _FREE: Final = DISTANCE + 0.1  # m
-_TABLE: Final = "base.drive.speed_control"
 _NOT_WRITTEN: Final = "Nothing was written."
-_THEN: Final = (
-    "Nothing goes by it before base is restarted, with the robot at rest. Then call giraff tune speed once more to see."
-)
+_KEEP: Final = "Keep what the file has: it drives as well"
 
 
 class Driven(Protocol):
@@ -51,6 +41,7 @@ class Driven(Protocol):
     voltage: float | None
 
     def drive(self) -> None: ...
+    def goes_by(self, gains: Mapping[str, float]) -> bool: ...
 
 
 def tune_speed(robot: str | None, connect: Sequence[str], file: Path | None, *, as_json: bool = False) -> int:
@@ -66,11 +57,18 @@ def _tune(robot: str | None, connect: Sequence[str], file: Path | None, report: 
         try:
             path, filed = own_robot_file(connection.robot, file)
             drive = drive_of(path)
-            rehearse(path, {_TABLE: {name: getattr(drive.speed_control, name) for name in FOUND}})
+            present = {name: getattr(drive.speed_control, name) for name in RULE}
+            rehearse(path, {TABLE: present})
             driven = SpeedDrive(connection, user_at_host())
             if not driven.wait():
                 return complain(
                     f"no wheels of {connection.robot} are heard; check that giraff_base runs, and the network to it",
+                    UNUSABLE,
+                )
+            if not driven.goes_by(present):
+                return complain(
+                    f"base does not say that it goes by the gains of {path}; restart it with this file, or see "
+                    "giraff param get base.drive.speed_control",
                     UNUSABLE,
                 )
             return converse(Terminal(sys.stdin, sys.stdout), driven, connection.robot, filed, drive, path, report)
@@ -112,16 +110,14 @@ def converse(
     """Ask, drive, tell, ask and write; the exit code."""
     human.tell(
         f"Robot {robot}; what is found goes into {path}. It drives {DISTANCE:g} m straight ahead and back, "
-        "on the floor it will live on. Ctrl-C stops it."
+        "on the floor it will live on, and once more if it finds better gains. Ctrl-C stops it."
     )
     try:
         if not agrees(human, f"Are {_FREE:g} m ahead of it free? [yes/no]"):
             return complain(f"nothing has moved. {_NOT_WRITTEN}", REFUSED)
-        driven.drive()
-        legs = legs_of(driven.wheels, (filed.left_ticks_per_metre, filed.right_ticks_per_metre))
+        legs = _drive(driven, filed)
         _tell(tell_drive(legs, dots=takes_dots()))
-        motors = [identify(leg) for leg in legs]
-        proposal = propose(motors, drive.speed_control)
+        motors, proposal = measure(legs, drive.speed_control)
         _tell(["", *tell_motors(legs, motors), ""])
         ratio = driven.voltage / drive.battery_nominal if driven.voltage else 1.0
         if text := tell_fastest(
@@ -131,18 +127,15 @@ def converse(
             battery_known=bool(driven.voltage),
         ):
             human.tell(text)
-        changes = proposal.changes(drive.speed_control)
-        if not changes:
-            human.tell(
-                f"Fine already: the gains of the robot file are as good as this drive can tell. {_NOT_WRITTEN} "
-                "If base has not been restarted since they were written, restart it."
-            )
+        before, changes = follow(legs), proposal.changes(drive.speed_control)
+        if before.is_good or not changes:
+            human.tell(f"{_KEEP} as a drive can tell. {_NOT_WRITTEN}")
             return DONE
-        _tell(tell_changes(changes, proposal.spread))
-        if not agrees(human, f"Write into [{_TABLE}] of {path}? [yes/no]"):
+        _tell(tell_changes(changes, proposal.bound))
+        if not agrees(human, f"Write into [{TABLE}] of {path}, for a second drive to judge them? [yes/no]"):
             return complain(f"not wanted. {_NOT_WRITTEN}", REFUSED)
         found = {name: after for name, (_, after) in changes.items()}
-        kept = record(path, _TABLE, found, kept_as=before_today())
+        return _judge(human, driven, filed, path, found, before, report)
     except (UnfitDriveError, CannotTellError) as error:
         return complain(f"{error}. {_NOT_WRITTEN}", REFUSED)
     except NobodyError:
@@ -153,11 +146,45 @@ def converse(
         for line in by_hand:
             print(printable(line), file=sys.stderr, flush=True)
         return REFUSED
-    report(document(path, {_TABLE: found}, kept))
-    human.tell(f"Written: [{_TABLE}] of {path}; as it was before: {kept}. {_THEN}")
-    if overriding := still_overriding({_TABLE: found}, os.environ):
-        human.tell(overriding)
+
+
+def _judge(
+    human: Human,
+    driven: Driven,
+    filed: RobotConfig,
+    path: Path,
+    found: Mapping[str, float],
+    before: Follow,
+    report: Report,
+) -> int:
+    """Drive with gains that only a better drive leaves in the file; the exit code."""
+    with on_trial(human, path, found) as trial:
+        human.tell(
+            f"Written: [{TABLE}] of {path}; as it was before: {trial.copy}. "
+            "Restart base now, with the robot at rest, so that it goes by them."
+        )
+        if overriding := still_overriding({TABLE: found}, os.environ):
+            human.tell(overriding)
+        while agrees(human, f"Is base restarted, and are {_FREE:g} m ahead free again? [yes/no]"):
+            if driven.goes_by(found):
+                break
+            human.tell(f"base does not say that it goes by them; restart it with {path}.")
+        else:
+            return complain("the gains found are not tried", REFUSED)
+        after = follow(_drive(driven, filed))
+        _tell(["", *tell_follow(before, after), ""])
+        trial.stays = after.beats(before)
+    if trial.stays:
+        report(document(path, {TABLE: found}, trial.copy))
+        human.tell(f"The second drive is better. {path} keeps these gains; as it was before: {trial.copy}.")
+    else:
+        human.tell(f"{_KEEP}.")
     return DONE
+
+
+def _drive(driven: Driven, filed: RobotConfig) -> list[Leg]:
+    driven.drive()
+    return legs_of(driven.wheels, (filed.left_ticks_per_metre, filed.right_ticks_per_metre))
 
 
 def complain(reason: str, code: int) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from typing import Any, Final
 
@@ -13,9 +13,12 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.tune.speed_fit import DISTANCE, SPEED
 from giraff_core.motion.result import MotionResult
 from giraff_node.motion_client import TURN, MotionClient, Wish
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.messages import Battery, GuardedCommand, Lease, Sample, Wheels
 from giraff_schemas.motion import Move
-from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, WHEELS, Topic
+from giraff_schemas.params import ParamDescribe
+from giraff_schemas.services import BASE
+from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, PARAM_DESCRIBE, WHEELS, Topic
 
 PATIENCE: Final = 3.0
 """s for wheels, for the robot's clock, and for the lease that motion gives back."""
@@ -49,6 +52,15 @@ class SpeedDrive:
     def wait(self) -> bool:
         """Return whether its wheels are heard."""
         return self._wait(lambda: bool(self.wheels))
+
+    def goes_by(self, gains: Mapping[str, float]) -> bool:
+        """Return True if base says that these settings of `[base.drive.speed_control]` are in force."""
+        asking = QueryClient(
+            self._connection.session, self._connection.robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe()
+        )
+        answer = asking.wait(time.monotonic() + PATIENCE)
+        values = {param.name: param.value for param in answer.params} if answer else {}
+        return bool(gains.items() <= values.get("drive.speed_control", {}).items())
 
     def drive(self) -> None:
         """Drive from rest to rest. Raises UnfitDriveError, or KeyboardInterrupt after an interrupted motion's end."""
@@ -100,7 +112,7 @@ class SpeedDrive:
         """Motion tells of services that are gone."""
 
     def _follow(self, client: MotionClient, stopping: StopSignal) -> MotionResult:
-        began = time.monotonic()
+        began, self._granted = time.monotonic(), None
         while (result := client.turn(now := time.monotonic())) is None:
             self._connection.dispatch(self)
             if stopping.asked:

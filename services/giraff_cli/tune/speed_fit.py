@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -21,8 +21,6 @@ Vector = NDArray[np.float64]
 DISTANCE: Final = 0.5
 """m that the robot drives ahead, and back."""
 SPEED: Final = 0.25  # m/s
-FOUND: Final = ("motor_time", "speed_p", "speed_i", "turn_p", "turn_i")
-"""The settings of a board that a drive tells."""
 SIDES: Final = ("left", "right")
 CLOSES_AT: Final = 0.1
 """s. Time constant of the closed loop, as the defaults of `SpeedControl` have it."""
@@ -34,8 +32,18 @@ _TIMES: Final = (0.02, 1.0)  # s between which a motor's time constant is credib
 _ROUGHEST: Final = 0.004  # m, rms, by which a wheel may differ from the model
 _LEAST_CHANGE: Final = 0.15  # share of a gain: less is neither felt nor measured
 _MOST_SPREAD: Final = 0.5  # share by which the measurements may differ and still tell a gain
+_WEAK: Final = 0.25  # of the plateau's PWM: a motor that gets less while it brakes only hums, and follows no model
+_FELT: Final = 0.01  # share of the asked speed: less is no better drive
 _FEWEST: Final = 50  # samples of a leg
 _DEFAULTS: Final = SpeedControl()
+RULE: Final[dict[str, Callable[[Motor], float]]] = {
+    "motor_time": lambda motor: motor.time,
+    "speed_p": lambda motor: motor.time / (motor.per_count * CLOSES_AT),
+    "speed_i": lambda motor: 1.0 / (motor.per_count * CLOSES_AT),
+    "turn_p": lambda motor: _DEFAULTS.turn_p / _DEFAULTS.speed_p * RULE["speed_p"](motor),
+    "turn_i": lambda motor: _DEFAULTS.turn_i / _DEFAULTS.speed_i * RULE["speed_i"](motor),
+}
+"""Each setting that a drive tells, by the rule of the defaults."""
 
 
 class CannotTellError(Exception):
@@ -67,6 +75,24 @@ class Response(NamedTuple):
     """Share of the asked speed by which the plateau is faster."""
 
 
+class Follow(NamedTuple):
+    """The worst response of both wheels, ahead and back, as shares of the asked speed."""
+
+    overshoot: float
+    error: float
+    """Largest difference from the asked speed in the second half of the way, before the wheel brakes."""
+
+    @property
+    def is_good(self) -> bool:
+        """Return True if no drive can be shown to be better."""
+        return max(self) <= _FELT
+
+    def beats(self, other: Follow) -> bool:
+        """Return True if it is better by more than the encoders' noise, and worse in nothing."""
+        less = [theirs - own for own, theirs in zip(self, other, strict=True)]
+        return min(less) >= 0.0 and max(less) > _FELT
+
+
 class Motor(NamedTuple):
     """First-order model of a wheel's motor with its share of the robot."""
 
@@ -82,14 +108,15 @@ class Proposal(NamedTuple):
     """Settings by the rule of the defaults, and how well they are known."""
 
     control: SpeedControl
-    spread: dict[str, float]
-    """Share by which the four measurements of each setting differ from their mean."""
+    bound: dict[str, float]
+    """Share by which each setting may be off: how far the four measurements differ from their mean, and how much the
+    mean moves if the PWM was in force from the sample before on, or only from the next one on."""
 
     def changes(self, present: SpeedControl) -> dict[str, tuple[float, float]]:
         """Return each setting before and after; nothing where none of `present` is off by more than can be told."""
-        pairs = {name: (float(getattr(present, name)), float(getattr(self.control, name))) for name in self.spread}
+        pairs = {name: (float(getattr(present, name)), float(getattr(self.control, name))) for name in self.bound}
         is_off = any(
-            abs(before - after) > max(_LEAST_CHANGE, self.spread[name]) * after
+            abs(before - after) > max(_LEAST_CHANGE, self.bound[name]) * after
             for name, (before, after) in pairs.items()
         )
         return pairs if is_off else {}
@@ -130,14 +157,26 @@ def respond(leg: Leg, asked: float = SPEED) -> Response:
     return Response(float(last - first), max(0.0, float(leg.speed.max()) / asked - 1.0), plateau / asked - 1.0)
 
 
-def identify(leg: Leg) -> Motor:
+def follow(legs: Sequence[Leg]) -> Follow:
+    """Return how the wheels followed. Raises CannotTellError."""
+    late = [leg.speed[(leg.travel >= DISTANCE / 2.0) & (leg.travel <= _PLATEAU[1])] for leg in legs]
+    overshoots = [respond(leg).overshoot for leg in legs]
+    return Follow(max(overshoots), max(float(np.max(np.abs(speeds / SPEED - 1.0))) for speeds in late))
+
+
+def identify(leg: Leg, late: float = 0.0) -> Motor:
     """Fit v' = (K (u - dead) - v) / time to the way by counts, integrated twice: nothing is differentiated.
 
-    It begins with the first count, after stiction. Raises CannotTellError.
+    It begins with the first count, after stiction, and ends where braking leaves the motor hardly any power. `late`:
+    when a sample's PWM was in force, from -1 (up to the next sample) to 1 (since the one before).
+    Raises CannotTellError.
     """
     begin = int(np.argmax(leg.travel > 0.0))
-    seconds, way = leg.seconds[begin:] - leg.seconds[begin], leg.travel[begin:] - leg.travel[begin]
-    by_speed = float(_integral(leg.speed[begin:], seconds)[-1])
+    driven = leg.pwm > _WEAK * np.median(leg.pwm)
+    weak = np.flatnonzero(~driven & (leg.travel > _PLATEAU[1]))
+    at = slice(begin, int(weak[0]) if weak.size else len(leg.pwm))
+    seconds, way, pwm = leg.seconds[at] - leg.seconds[begin], leg.travel[at] - leg.travel[begin], leg.pwm[at]
+    by_speed = float(_integral(leg.speed[at], seconds)[-1])
     if abs(by_speed - way[-1]) > _DISAGREEMENT * way[-1]:
         raise CannotTellError(
             f"the {leg.side} wheel came {by_speed:.2f} m by its speed and {way[-1]:.2f} m by its counts; "
@@ -148,7 +187,8 @@ def identify(leg: Leg) -> Motor:
     )
     if len(seconds) < _FEWEST or way[-1] < _PLATEAU[1]:
         raise unclear
-    pushed = _integral(_integral(leg.pwm[begin:], seconds), seconds)
+    shift = late / 2.0 * float(np.mean(np.diff(seconds)))
+    pushed = _integral(_integral(pwm, seconds) + shift * (pwm - pwm[0]), seconds)
     regressors = np.column_stack([seconds, pushed, seconds**2 / 2.0, _integral(way, seconds)])
     if not is_determined(regressors.T @ regressors):
         raise unclear
@@ -160,27 +200,32 @@ def identify(leg: Leg) -> Motor:
     return Motor(per_count=float(-push / back), time=float(-1.0 / back), dead=float(-drag / push))
 
 
-def propose(motors: Sequence[Motor], present: SpeedControl) -> Proposal:
-    """Return the settings for these measurements, which must agree. Raises CannotTellError."""
-    turn_p, turn_i = _DEFAULTS.turn_p / _DEFAULTS.speed_p, _DEFAULTS.turn_i / _DEFAULTS.speed_i
-    found, spread = {}, {}
-    for name, values in {
-        "motor_time": [motor.time for motor in motors],
-        "speed_p": (p := [motor.time / (motor.per_count * CLOSES_AT) for motor in motors]),
-        "speed_i": (i := [1.0 / (motor.per_count * CLOSES_AT) for motor in motors]),
-        "turn_p": [turn_p * each for each in p],
-        "turn_i": [turn_i * each for each in i],
-    }.items():
+def measure(legs: Sequence[Leg], present: SpeedControl) -> tuple[list[Motor], Proposal]:
+    """Return the motors by each leg, and the settings for them. Raises CannotTellError."""
+    motors, early, late = ([identify(leg, at) for leg in legs] for at in (0.0, -1.0, 1.0))
+    return motors, propose(motors, present, early, late)
+
+
+def propose(motors: Sequence[Motor], present: SpeedControl, *otherwise: Sequence[Motor]) -> Proposal:
+    """Return the settings for these measurements, which must agree. Raises CannotTellError.
+
+    `otherwise`: other readings of the same legs.
+    """
+    found, bound = {}, {}
+    for name, setting in RULE.items():
+        values = [setting(motor) for motor in motors]
         mean = sum(values) / len(values)
-        spread[name] = max(abs(value - mean) for value in values) / mean
-        if spread[name] > _MOST_SPREAD:
+        spread = max(abs(value - mean) for value in values) / mean
+        if spread > _MOST_SPREAD:
             raise CannotTellError(
                 f"{name} is {min(values):.3g} by one measurement and {max(values):.3g} by another; "
                 "check that no wheel drags or slips, and that the floor is level"
             )
+        means = [sum(map(setting, other)) / len(other) for other in otherwise]
+        bound[name] = spread + max((abs(other / mean - 1.0) for other in means), default=0.0)
         low, high, *_ = bounds_of(SpeedControl)[name]
         found[name] = min(high, max(low, float(f"{mean:.3g}")))
-    return Proposal(msgspec.structs.replace(present, **found), spread)
+    return Proposal(msgspec.structs.replace(present, **found), bound)
 
 
 def fastest(motors: Sequence[Motor], max_level: int, voltage_ratio: float) -> float:

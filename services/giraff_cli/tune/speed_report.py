@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from giraff_cli.tune.curve import draw_curves
-from giraff_cli.tune.speed_fit import SPEED, Leg, Motor, respond
+from giraff_cli.tune.speed_fit import SPEED, Follow, Leg, Motor, respond
 
 _POINTS: Final = 288  # two for each column of dots
 _ASKED_POINTS: Final = 36  # the asked speed is dotted
@@ -38,11 +38,18 @@ def tell_motors(legs: Sequence[Leg], motors: Sequence[Motor]) -> Iterator[str]:
         yield f"{leg.side:7}{leg.way:7}{motor.per_count:>18.5f}{f'{motor.time:.3f} s':>15}"
 
 
-def tell_changes(changes: Mapping[str, tuple[float, float]], spread: Mapping[str, float]) -> Iterator[str]:
+def tell_changes(changes: Mapping[str, tuple[float, float]], bound: Mapping[str, float]) -> Iterator[str]:
     """Return a row for each setting."""
     yield f"{'':12}{'now':>8}{'found':>8}{'known within':>15}"
     for name, (before, after) in changes.items():
-        yield f"{name:12}{before:>8g}{after:>8g}{f'{spread[name]:.0%}':>15}"
+        yield f"{name:12}{before:>8g}{after:>8g}{f'{bound[name]:.0%}':>15}"
+
+
+def tell_follow(before: Follow, after: Follow) -> Iterator[str]:
+    """Return a row for each drive."""
+    yield f"{'drive':20}{'overshoot':>11}{'error':>10}"
+    for name, drive in (("as the file was", before), ("with these gains", after)):
+        yield f"{name:20}{f'{drive.overshoot:.1%}':>11}{f'{drive.error:.1%}':>10}"
 
 
 def tell_fastest(found: float, filed: float, max_level: int, *, battery_known: bool) -> str:

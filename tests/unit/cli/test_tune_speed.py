@@ -5,127 +5,41 @@ Real firmware with bad gains: tests/sim/test_tuned_speed.py.
 
 from __future__ import annotations
 
-import math
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final, cast
 
+import msgspec
 import pytest
 
 import giraff_cli.tune.speed
 import giraff_cli.tune.speed_drive as it
 import giraff_node.motion_client
 import giraff_node.network.query_client
+from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import SpeedControl
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.human import NobodyError
 from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.tune.speed_fit import CannotTellError, Motor, fastest, identify, legs_of, propose
-from giraff_cli.tune.speed_report import tell_drive, tell_fastest
+from giraff_cli.tune.speed_fit import Motor
 from giraff_core.network import NetworkConfig
-from giraff_schemas.messages import Battery, Lease, RobotTime, Wheels
+from giraff_node.config.robot_file import load
+from giraff_schemas.codec import encode
+from giraff_schemas.messages import Battery, Lease
 from giraff_schemas.motion import Move
-from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, WHEELS
+from giraff_schemas.params import Param, ParamAnswer
+from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, PARAM_DESCRIBE, WHEELS, key_of
 from tests.rules.repository import ROOT
+from tests.support.driven_wheels import MOTORS, STEP, Turning, drive, sample
 from tests.support.motion_double import MotionDouble
 from tests.support.one_process import Clock, Session
 from tests.unit.cli.samples import command
 from tests.unit.cli.typed import typed
 
 NAME: Final = "giraff"
-TICKS: Final = 2002.0594
-STEP: Final = 0.01  # s
-MOTORS: Final = (Motor(per_count=0.0085, time=0.2, dead=2.0), Motor(per_count=0.0075, time=0.2, dead=1.0))
 GOOD: Final = SpeedControl(motor_time=0.2, speed_p=251.0, speed_i=1255.0, turn_p=71.6, turn_i=429.0)
 """What the rule makes of MOTORS."""
-
-
-class Turning:
-    """One wheel whose motor follows the model, under a slow loop. It is sampled between two changes of its PWM."""
-
-    def __init__(self, motor: Motor) -> None:
-        self.motor, self.speed, self.travel, self.pwm = motor, 0.0, 0.0, 0
-
-    def step(self, asked: float, push: int = 0) -> None:
-        self._move()
-        self.pwm = push or round(asked / 0.0086 + 60.0 * (asked - self.speed)) if asked else 0
-        self._move()
-
-    def _move(self) -> None:
-        k, time, dead = self.motor
-        aim = k * (self.pwm - math.copysign(dead, self.pwm)) if self.pwm else 0.0
-        self.speed += (aim - self.speed) / time * STEP / 2.0
-        self.travel += self.speed * STEP / 2.0
-
-
-def drive(*, pace: float = 0.25, ticks: float = TICKS, push: int = 0) -> Iterator[Wheels]:
-    """Yield the wheels of a way ahead and back, a sample each STEP. `push`: PWM counts all along, without the loop."""
-    sides, asked, at = [Turning(motor) for motor in MOTORS], 0.0, 0
-    for way in (1.0, -1.0):
-        began = sides[0].travel
-        for step in range(300):
-            left = max(0.0, 0.5 - way * (sides[0].travel - began))
-            asked = min(asked + 0.006, pace, math.sqrt(0.8 * left)) if left > 0.004 and step < 250 else 0.0
-            for side in sides:
-                side.step(way * asked, round(way * push))
-            at += 1
-            yield sample(at, *sides, ticks=ticks)
-
-
-def sample(at: int, left: Turning, right: Turning, *, ticks: float = TICKS) -> Wheels:
-    return Wheels(
-        instance="base",
-        left_ticks=math.floor(left.travel * ticks),
-        right_ticks=math.floor(right.travel * ticks),
-        left_velocity=left.speed,
-        right_velocity=right.speed,
-        left_pwm_counts=left.pwm,
-        right_pwm_counts=right.pwm,
-        board_us=(at * 10_000 - 2_000_000) % (1 << 32),
-        boot_id=1,
-        tick=RobotTime(1, (1000 + at) * 10_000_000),
-    )
-
-
-def measure(heard: list[Wheels]) -> list[Motor]:
-    return [identify(leg) for leg in legs_of(heard, (TICKS, TICKS))]
-
-
-def test_the_model_is_found_and_the_rule_of_the_defaults_makes_the_gains() -> None:
-    left, right = MOTORS
-    "\n".join(tell_drive(legs_of(list(drive()), (TICKS, TICKS)), dots=False)).encode("ascii")
-    for found, motor in zip(measure(list(drive())), (left, left, right, right), strict=True):
-        assert found.per_count == pytest.approx(motor.per_count, rel=0.04)
-        assert found.time == pytest.approx(motor.time, rel=0.05)
-    usual = Motor(per_count=0.6 / 70.0, time=0.15, dead=0.0)
-    proposal = propose([usual] * 4, SpeedControl())
-    assert not proposal.changes(SpeedControl()), "the defaults follow from the motor that they are for"
-    assert fastest([usual], 70, 1.0) == pytest.approx(0.6)
-    assert "does 0.48 m/s at max_level 70" in tell_fastest(fastest([usual], 70, 1.25), 0.6, 70, battery_known=True)
-    assert not tell_fastest(0.57, 0.6, 70, battery_known=True)
-    assert propose([Motor(0.00001, 0.9, 0.0)] * 4, SpeedControl()).control.speed_p == 3900.0
-
-
-CANNOT: Final[dict[str, tuple[Callable[[], list[Wheels]], str]]] = {
-    "hardly excited": (lambda: list(drive(pace=0.03)), "check its encoder|does not tell its motor"),
-    "a gap": (lambda: [each for at, each in enumerate(drive()) if not 40 < at < 60], "not heard all the way"),
-    "another scale": (lambda: list(drive(ticks=1500.0)), "ticks_per_metre"),
-    "one push all along": (lambda: list(drive(push=30)), "does not tell its motor"),
-    "no way back": (lambda: list(drive())[:300], "got nothing on the way back"),
-}
-
-
-@pytest.mark.parametrize("case", CANNOT)
-def test_a_drive_that_does_not_tell_proposes_nothing(case: str) -> None:
-    heard, words = CANNOT[case]
-    with pytest.raises(CannotTellError, match=words):
-        measure(heard())
-
-
-def test_measurements_that_disagree_propose_nothing() -> None:
-    with pytest.raises(CannotTellError, match="by one measurement and"):
-        propose([MOTORS[0]] * 3 + [Motor(0.0085, 0.9, 0.0)], SpeedControl())
 
 
 class Desk:
@@ -137,13 +51,19 @@ class Desk:
         self.session = Session(self.clock)
         self.motion = MotionDouble(self.session, self.clock, NAME)
         self.motion.takes = 6.2
-        self.answers = ["yes", "yes"]
+        self.answers = ["yes", "yes", "yes"]
         self.told: list[str] = []
         self.guard_says, self.next_lease, self.are_heard = "", 0, True
         self.each: Callable[[StopSignal], object] = lambda _: None
         self.thinks: Callable[[], object] = lambda: None
         self._patch, self._capsys = patch, capsys
-        self._wheels = drive()
+        self.gains = [60.0, 600.0]
+        """Of the loop of each drive."""
+        self.restarts: Callable[[], object] = self.restart
+        """What becomes of base once the file is written."""
+        self.restart()
+        self.session.answer(key_of(NAME, PARAM_DESCRIBE.at("base")), self._describe)
+        self._asked, self._began, self._wheels = 0, 0.0, drive()
         for module in (it, giraff_node.motion_client, giraff_node.network.query_client):
             patch.setattr(module, "time", self.clock)
         patch.setattr(giraff_cli.tune.speed, "run_with_robot", self._visit)
@@ -162,11 +82,18 @@ class Desk:
         self.told.append(text)
 
     def ask(self, question: str, meanwhile: object) -> str:
-        del question, meanwhile
+        del meanwhile
         self.thinks()
+        if "Is base restarted" in question:
+            self.restarts()
         if not self.answers:
             raise NobodyError
         return self.answers.pop(0)
+
+    def restart(self) -> None:
+        """Have base go by the file."""
+        drive = load("base", BaseConfig, {"GIRAFF_CONFIG": str(self.path)}).drive
+        self.in_force = msgspec.to_builtins(getattr(drive, "speed_control", {}))
 
     def is_untouched(self, besides: int = 0) -> bool:
         """Return whether the file is as it was, with so many others in its folder."""
@@ -189,15 +116,28 @@ class Desk:
     def _roll(self) -> None:
         if not self.are_heard:
             return
-        has_begun = bool(self.motion.asked) and not self.motion.refusal
+        asked = {each.id for each in self.motion.asked if not self.motion.refusal}
+        if len(asked) > self._asked:
+            self._began = self.clock.monotonic()
+            self._asked, self._wheels = len(asked), drive(gain=self.gains[self._asked])
         resting = Turning(MOTORS[0])
-        if (wheels := next(self._wheels, None) if has_begun else sample(0, resting, resting)) is not None:
+        if (wheels := next(self._wheels, None) if asked else sample(0, resting, resting)) is not None:
             self.motion.say(WHEELS, wheels)
         self.motion.say(BATTERY, Battery(voltage=24.0))
         self.motion.say(CMD_VEL, command(None, reason=self.guard_says))
 
+    def _describe(self, payload: bytes) -> tuple[float, bytes]:
+        del payload
+        values: dict[str, Any] = {"drive.type": "wheels", "drive.speed_control": self.in_force}
+        params = tuple(
+            Param(name=name, value=value, filed=value, saved=True, kind="", live="fixed", doc="")
+            for name, value in values.items()
+        )
+        answer = ParamAnswer(service="base", instance="1", host="desk", done=True, reason="", params=params)
+        return 0.02, encode(answer)
+
     def _lease(self) -> None:
-        counter = self.next_lease if self.clock.monotonic() > 6.5 else 5
+        counter = self.next_lease if self.clock.monotonic() > self._began + 6.5 else 5
         self.motion.say(LEASE, Lease(holder="m" if counter else "", operator="motion", counter=counter, reason=""))
 
 
@@ -215,8 +155,9 @@ def test_what_is_found_is_written_once_and_is_fine_then(
     code, out, complaint = desk.type()
     monkeypatch.delenv("GIRAFF_BASE_DRIVE__SPEED_CONTROL__TURN_I")
     assert (code, complaint) == (0, "")
-    [request] = desk.motion.asked
-    assert (request.steps, request.speed) == ((Move(distance=0.5), Move(distance=-0.5)), 0.25)
+    assert len({each.id for each in desk.motion.asked}) == 2, "one drive before, and one after"
+    wished = {(each.steps, each.speed) for each in desk.motion.asked}
+    assert wished == {((Move(distance=0.5), Move(distance=-0.5)), 0.25)}
     table = tomllib.loads(desk.path.read_text(encoding="utf-8"))["base"]["drive"]["speed_control"]
     assert table["max_pwm"] == 110, "what else is in it stays"
     found = SpeedControl(**table)
@@ -224,14 +165,15 @@ def test_what_is_found_is_written_once_and_is_fine_then(
         assert getattr(found, name) == pytest.approx(getattr(GOOD, name), rel=0.06)
     [kept] = [each for each in desk.path.parent.iterdir() if each != desk.path]
     assert kept.read_bytes() == desk.before
-    assert "before base is restarted" in desk.told[-2]
-    assert "giraff tune speed once more" in desk.told[-2]
-    assert "still override it: GIRAFF_BASE_DRIVE__SPEED_CONTROL__TURN_I" in desk.told[-1]
+    assert "Restart base now" in desk.told[-3]
+    assert "still override it: GIRAFF_BASE_DRIVE__SPEED_CONTROL__TURN_I" in desk.told[-2]
+    assert "The second drive is better" in desk.told[-1]
     assert "right  back" in out
     later = Desk(monkeypatch, capsys, desk.path)
+    later.gains = [600.0]
     code, _, complaint = later.type()
     assert (code, complaint) == (0, "")
-    assert "Fine already" in later.told[-1]
+    assert "Keep what the file has: it drives as well" in later.told[-1]
     assert later.is_untouched(besides=1)
 
 
@@ -252,6 +194,27 @@ def test_what_was_driven_before_the_yes_is_not_judged(desk: Desk) -> None:
     assert desk.type()[::2] == (0, "")
     found = tomllib.loads(desk.path.read_text(encoding="utf-8"))["base"]["drive"]["speed_control"]
     assert found["speed_p"] == pytest.approx(GOOD.speed_p, rel=0.06)
+
+
+def test_a_second_drive_that_is_no_better_leaves_the_file(desk: Desk) -> None:
+    desk.gains = [60.0, 60.0]
+    assert desk.type()[::2] == (0, "")
+    assert "is as it was" in desk.told[-2]
+    assert desk.told[-1] == "Keep what the file has: it drives as well."
+    assert desk.is_untouched()
+
+
+def test_a_file_that_somebody_edits_during_the_trial_is_not_overwritten(desk: Desk) -> None:
+    def edit() -> None:
+        desk.restart()
+        desk.path.write_text(desk.path.read_text(encoding="utf-8") + "# mine\n", encoding="utf-8")
+
+    desk.gains, desk.restarts = [60.0, 60.0], edit
+    assert desk.type()[::2] == (0, "")
+    assert "gains on trial are still in" in desk.told[-2]
+    assert desk.path.read_text(encoding="utf-8").endswith("# mine\n")
+    [kept] = [each for each in desk.path.parent.iterdir() if each != desk.path]
+    assert kept.read_bytes() == desk.before
 
 
 def refuse(desk: Desk) -> None:
@@ -297,6 +260,30 @@ def tear(desk: Desk) -> None:
     desk.each = each
 
 
+def block_later(desk: Desk) -> None:
+    def restart() -> None:
+        desk.restart()
+        block(desk)
+
+    desk.restarts = restart
+
+
+def interrupt_later(desk: Desk) -> None:
+    def each(stopping: StopSignal) -> None:
+        if desk.path.read_bytes() != desk.before and not stopping.asked:
+            stopping.ask()
+
+    desk.each = each
+
+
+def leave(desk: Desk) -> None:
+    desk.restarts = lambda: None
+
+
+def differ(desk: Desk) -> None:
+    desk.in_force["speed_p"] += 1.0
+
+
 FIELDS: Final = ("max_level = 70", "stall_level = 25", "battery_nominal = 24.0", 'wheel_control = "speed"')
 
 
@@ -316,7 +303,7 @@ def level(desk: Desk) -> None:
 
 
 _TAKES_NONE: Final = "takes no [base.drive.speed_control]"
-UNASKED: Final = ("a no to the way", "nobody at the terminal", "silent wheels", "levels")
+UNASKED: Final = ("other gains in force", "a no to the way", "nobody at the terminal", "silent wheels", "levels")
 
 REFUSALS: Final[dict[str, tuple[Callable[[Desk], object], list[str], int, str]]] = {
     "a no to the way": (lambda _: None, ["no"], 1, "nothing has moved"),
@@ -331,6 +318,12 @@ REFUSALS: Final[dict[str, tuple[Callable[[Desk], object], list[str], int, str]]]
     "wheels that fall silent": (deafen, ["yes"], 1, "the wheels fell silent"),
     "Ctrl-C": (interrupt, ["yes"], 130, "interrupted"),
     "a file that is torn meanwhile": (tear, ["yes", "yes"], 1, "by hand:\n    motor_time = "),
+    "other gains in force": (differ, [], 2, "base does not say that it goes by the gains of"),
+    "a no to the second drive": (lambda _: None, ["yes", "yes", "no"], 1, "are not tried"),
+    "nobody for the second drive": (lambda _: None, ["yes", "yes"], 2, "nobody answers"),
+    "base that is not restarted": (leave, ["yes", "yes", "yes", "no"], 1, "are not tried"),
+    "a blocked second way": (block_later, ["yes"] * 3, 1, "the drive stopped before its end: front_left blocks"),
+    "Ctrl-C in the second drive": (interrupt_later, ["yes"] * 3, 130, "interrupted"),
     "a drive in [robot]": (spell(robot="\n".join(FIELDS)), [], 2, _TAKES_NONE),
     "a drive on one line": (spell(base=f'drive = {{ type = "wheels", {", ".join(FIELDS)} }}'), [], 2, _TAKES_NONE),
     "a drive in dotted keys": (
@@ -355,6 +348,8 @@ def test_otherwise_it_says_why_and_writes_nothing(desk: Desk, case: str) -> None
     if case == "Ctrl-C":
         assert desk.motion.cancelled
         assert desk.clock.monotonic() < 2.0
+    if case == "base that is not restarted":
+        assert len({each.id for each in desk.motion.asked}) == 1
     has_asked = case not in UNASKED and words != _TAKES_NONE
     assert bool(desk.motion.asked) == has_asked
 
