@@ -51,10 +51,11 @@ def speed(
 ) -> None:
     """Find the gains by which the board of a robot on two wheels holds their speeds: it drives 0.5 m ahead and back.
 
-    It asks before anything moves. Of the robot file only the table base.drive.speed_control changes, when you have
-    said yes; a copy of it as it was stays beside it. Nothing goes by it before base is restarted.
+    It asks before anything moves. When you have said yes, the gains found go into the table base.drive.speed_control of
+    the robot file, you restart base, and it drives once more: they stay only where that drive is better, with a copy of
+    the file as it was beside it. Otherwise the file is put back.
 
-    Exit code: 0 done, or fine already; 1 refused or stopped, nothing written; 2 not begun.
+    Exit code: 0 done, or the file drives as well and stays; 1 refused or stopped, the file is as it was; 2 not begun.
     """
     require_extra("tune speed", "numpy", "analysis,cli")
     from giraff_cli.tune.speed import tune_speed  # noqa: PLC0415
