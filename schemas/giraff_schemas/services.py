@@ -219,6 +219,8 @@ INSTALLED: Final = (DOOR.name, *(service.name for service in SERVICES if service
 """Names of those that are started on a robot's computer unless somebody says otherwise."""
 ANSWERING: Final = frozenset(service.name for service in SERVICES if service.table and service.host != "router")
 """Names of those that answer for their parameters on the robot's network."""
+ROBOT_TABLES: Final = ("robot", "network", *(service.table for service in SERVICES if service.table), "sim")
+"""Names of the tables of a robot file."""
 ROLES: Final = {
     "robot": INSTALLED,
     "laptop": tuple(service.name for service in OPERATORS if service.board is not None),

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Container
 from typing import Final
 
-from giraff_schemas.services import SERVICES
+from giraff_schemas.services import ROBOT_TABLES
 
 ROBOT_FILE: Final = "a robot file"
-ROBOT_TABLES: Final = ("robot", "network", *(service.table for service in SERVICES if service.table), "sim")
 ROOM: Final = "a room"
 PATTERN: Final = "a pattern of steps"
 _KINDS: Final = {

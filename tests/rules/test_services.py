@@ -13,7 +13,7 @@ import pytest
 from giraff_base.drives.balancer.drive import BalancerDrive
 from giraff_keyboard.view import DriveView
 from giraff_node.config import misplaced
-from giraff_node.config.robot_file import TABLES, load
+from giraff_node.config.robot_file import load
 from giraff_node.start import build
 from giraff_schemas import topics
 from giraff_schemas.boards import BOARDS
@@ -22,6 +22,7 @@ from giraff_schemas.services import (
     CLIENT,
     DOOR,
     KEYBOARD,
+    ROBOT_TABLES,
     ROBOTS_OWN,
     ROLES,
     SERVICES,
@@ -198,7 +199,7 @@ def test_nothing_that_a_robot_runs_hears_the_truth() -> None:
 
 
 def test_each_table_of_the_robot_file_has_a_configuration() -> None:
-    configs = {table: misplaced.config_of(table) for table in TABLES if table != "network"}
+    configs = {table: misplaced.config_of(table) for table in ROBOT_TABLES if table != "network"}
     assert {table: config.__name__ for table, config in configs.items()} == {
         table: f"{table.capitalize()}Config" for table in configs
     }

@@ -13,8 +13,8 @@ import msgspec
 
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import TABLES, RawSettings, UnknownEntry
-from giraff_schemas.services import SERVICES
+from giraff_node.config.robot_file import RawSettings, UnknownEntry
+from giraff_schemas.services import ROBOT_TABLES, SERVICES
 from giraff_schemas.text import near
 
 _NETWORK: Final = {
@@ -60,14 +60,14 @@ def find_misplaced(given: RawSettings, environment: Mapping[str, str], *, is_nam
 def _is_doubtful(strange: UnknownEntry, words: Mapping[str, str]) -> bool:
     word, value = strange.word, strange.value
     table, _, field = word.partition("_")
-    if strange.variable and table in TABLES:
+    if strange.variable and table in ROBOT_TABLES:
         is_plain = table == "network" or (table == "robot" and field in ("", "name"))
         return is_plain or any(_misplaced(table, {field: value}, words))
     if near(table, ("network", "robot")) or word.endswith(tuple(_NETWORK)):
         return True
     if _alike(table, (*_NETWORK, *_FILE)) or _alike(word, words):
         return True
-    return isinstance(value, dict) and any(_misplaced(_alike(word, TABLES), value, words))
+    return isinstance(value, dict) and any(_misplaced(_alike(word, ROBOT_TABLES), value, words))
 
 
 def _misplaced(

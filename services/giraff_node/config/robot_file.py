@@ -21,15 +21,14 @@ from giraff_core.network import host_and_port
 from giraff_core.robot import WIRING
 from giraff_core.sensors import TABLES as SENSOR_TABLES
 from giraff_core.sensors import by_type
-from giraff_core.toml_kinds import ROBOT_FILE, ROBOT_TABLES, wrong_kind
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.checks import converted, require_sendable
+from giraff_schemas.services import ROBOT_TABLES
 from giraff_schemas.text import near, plain
 from giraff_schemas.trouble import Trouble
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
-TABLES: Final = ROBOT_TABLES
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
 _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
 _QUOTED: Final = re.compile(r"""(["'])((?:(?!\1).)*)\1""")
@@ -176,14 +175,17 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
 
 def _read_file(path: Path) -> RawSettings:
     parsed = _parsed(path)
-    if wrong := wrong_kind(parsed, ROBOT_FILE):
-        raise ConfigError(f"{path}: {wrong}")
+    if not parsed.keys() <= set(ROBOT_TABLES):
+        from giraff_core.toml_kinds import ROBOT_FILE, wrong_kind  # noqa: PLC0415  for what is mistyped, which is seldom
+
+        if wrong := wrong_kind(parsed, ROBOT_FILE):
+            raise ConfigError(f"{path}: {wrong}")
     found = modern(parsed)
     tables = {}
     strange = [UnknownEntry("drive", None, f"{path}: {found.twice}")] if found.twice else []
     for name, table in found.tables.items():
-        if name not in TABLES:
-            what = f"{path}: unknown table [{name}]{suggestion(name, TABLES)}"
+        if name not in ROBOT_TABLES:
+            what = f"{path}: unknown table [{name}]{suggestion(name, ROBOT_TABLES)}"
             strange.append(UnknownEntry(name.lower(), table, what))
         elif isinstance(table, dict):
             tables[name] = table
@@ -233,8 +235,8 @@ def _parsed(path: Path) -> dict[str, Any]:
 def _override(tables: dict[str, dict[str, Any]], variable: str, text: str) -> None:
     """Set what a variable says. Raises ConfigError."""
     table, _, field = variable.removeprefix("GIRAFF_").lower().partition("_")
-    if table not in TABLES or not field:
-        tables_there = [f"GIRAFF_{table.upper()}_…" for table in TABLES]
+    if table not in ROBOT_TABLES or not field:
+        tables_there = [f"GIRAFF_{table.upper()}_…" for table in ROBOT_TABLES]
         raise ConfigError(f"{variable}: names no field; there are {', '.join(tables_there)} and GIRAFF_CONFIG")
     try:
         put(tables, path_of(variable), _value(variable, text))

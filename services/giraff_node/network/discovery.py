@@ -23,7 +23,6 @@ from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings, expects_robot_file, read
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.host_addresses import loopback_fault
 from giraff_node.network.replies import gather_answers
 from giraff_node.network.tokens import REPLY_WITHIN, Token, list_robots, robots_of, watch_tokens
 from giraff_schemas.health import Health
@@ -201,9 +200,7 @@ def find_robot(session: zenoh.Session, filed: str, patience: float, *, at_door: 
     while not (found := list_robots(session)):
         if time.monotonic() > deadline:
             named = f"; {DEFAULT_FILE} names {filed}" if filed else ""
-            raise NoRobotError(
-                f"no robot is heard on the network after {patience:g} s; {loopback_fault() or HOW_TO_REACH}{named}"
-            )
+            raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {how_to_reach()}{named}")
         time.sleep(_ASK_AGAIN)
     time.sleep(_AT_A_DOOR if at_door else _SETTLED)
     return settle(session, sorted({*found, *list_robots(session)}), filed)
@@ -236,6 +233,13 @@ def host_of(session: zenoh.Session, robot: str) -> str:
 HOW_TO_REACH: Final = "check that it is on and on this network; where multicast does not reach, give --connect ROBOT"
 
 
+def how_to_reach() -> str:
+    """Return what to do where no robot is heard."""
+    from giraff_node.network.host_addresses import loopback_fault  # noqa: PLC0415  for who hears none
+
+    return str(loopback_fault()) or HOW_TO_REACH
+
+
 def others(session: zenoh.Session, robot: str) -> str:
     """A hint for one who has named a robot that is not there; empty when no other is."""
     return _instead(list_robots(session), robot)
@@ -245,7 +249,7 @@ def not_found_text(robot: str, found: Sequence[str]) -> str:
     """What to say of a robot that is not heard where these are; empty: nobody has named one."""
     whom = f"no robot called {robot}" if robot else "no robot"
     instead = _instead(found, robot) if robot else ""
-    return f"{whom} is heard on the network; {loopback_fault() or HOW_TO_REACH}{instead}"
+    return f"{whom} is heard on the network; {how_to_reach()}{instead}"
 
 
 def _instead(found: Sequence[str], robot: str) -> str:

@@ -18,8 +18,9 @@ import giraff_cli.record.recorder
 import giraff_keyboard.main
 from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
-from giraff_node.config.robot_file import TABLES, ConfigError
+from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import resolve_target
+from giraff_schemas.services import ROBOT_TABLES
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import typed
 
@@ -359,7 +360,7 @@ def test_nor_does_what_this_repository_brings() -> None:
             assert resolve_target(None, (), {"GIRAFF_CONFIG": str(path), **variables}).warning == ""
 
 
-@pytest.mark.parametrize("table", sorted({*TABLES} - {"network", "router"}))
+@pytest.mark.parametrize("table", sorted({*ROBOT_TABLES} - {"network", "router"}))
 def test_no_table_takes_a_mode_that_is_not_its_own(table: str) -> None:
     with pytest.raises(ConfigError, match=rf"\[{table}\] .*: unknown field `mode`; did you mean 'mode' of \[network\]"):
         resolve_target("anne", (), {f"GIRAFF_{table.upper()}_MODE": "secured"})
