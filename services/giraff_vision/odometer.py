@@ -18,6 +18,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_vision import reasons
 from giraff_vision.ground import Array, Grey, Ground
+from giraff_vision.repetition import Repetition
 from giraff_vision.rigid_motion import Refined, consensus, refined
 
 Six = tuple[float, float, float, float, float, float]
@@ -92,6 +93,8 @@ class Seen(NamedTuple):
     """Pixels of the corners that move as the motion has it, (n, 2)."""
     rejected: Array = np.zeros((0, 2))
     """Pixels of the corners that do not, (n, 2)."""
+    repeats: bool = False
+    """The key picture's floor repeats: what the picture takes for this motion may be another one."""
 
 
 class VisualOdometer:
@@ -103,6 +106,7 @@ class VisualOdometer:
         self._rows = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
         self.key = -1
         """Number of the key picture that the next picture's motion will be since; -1: there is none yet."""
+        self._repetition, self._repeats = Repetition(ground), False
         self._chance = np.random.default_rng(0)
         self._corners = np.zeros((0, 2))
         """Corners that are followed: floor, m in `base_link` at the key picture."""
@@ -125,6 +129,7 @@ class VisualOdometer:
         seen = (
             self._none(reasons.FIRST) if self._key_picture is None else self._follow(self._key_picture, grey, sharpness)
         )
+        seen = seen._replace(repeats=self._repeats)
         is_lost = bool(seen.reason) and seen.motion is None
         if is_lost or self._renews or self._is_worn():
             self._begin(grey, sharpness)
@@ -142,6 +147,7 @@ class VisualOdometer:
         self._renews = False
         self._found, self._sharpness, self._key_picture = len(self._corners), sharpness, grey
         self._motion = np.zeros(5)
+        self._repeats = self._repetition.is_in(grey)
         self.key += 1
 
     def _none(self, reason: Trouble) -> Seen:

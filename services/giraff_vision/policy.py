@@ -119,6 +119,8 @@ class VisionPolicy:
         key_before = odometer.key
         seen = odometer.look(odometer.ground.straightened(grey))
         wheels = _between(self._key_wheels, here)
+        if seen.repeats and wheels is None and not seen.reason:
+            seen = seen._replace(reason=reasons.UNSURE)  # only the wheels can tell which of several motions it is
         reason = seen.reason or self._veto(seen, wheels, here)
         if seen.motion is not None and not reason:
             way = math.hypot(seen.motion.x, seen.motion.y)

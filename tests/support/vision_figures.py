@@ -18,8 +18,6 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.sensors import Camera
 from giraff_sim.camera.scene import Lens, Scene, Shadow, Walker
 from giraff_sim.camera.textures import Floor
-from giraff_vision.ground import Ground
-from giraff_vision.odometer import VisualOdometer
 from giraff_vision.policy import VisionPolicy
 from tests.support.filmed_drive import CAMERA, Filmed
 
@@ -39,24 +37,22 @@ Odometer = Callable[[Filmed], Answer]
 
 def with_wheels(camera: Camera) -> Odometer:
     """Return the policy, which also hears the wheels."""
-    policy = VisionPolicy(camera)
-
-    def look(shot: Filmed) -> Answer:
-        for odometry in shot.odometry:
-            policy.on_odometry(odometry)
-        told = policy.on_picture(shot.picture, shot.grey)
-        return told.key, None if told.motion is None else Pose(*told.motion), told.reason
-
-    return look
+    return _of_policy(camera, hears_wheels=True)
 
 
 def without_wheels(camera: Camera) -> Odometer:
-    """Return the odometer of pictures alone."""
-    odometer = VisualOdometer(Ground(camera, camera.width, camera.height))
+    """Return the policy, of pictures alone."""
+    return _of_policy(camera, hears_wheels=False)
+
+
+def _of_policy(camera: Camera, *, hears_wheels: bool) -> Odometer:
+    policy = VisionPolicy(camera)
 
     def look(shot: Filmed) -> Answer:
-        seen = odometer.look(odometer.ground.straightened(shot.grey))
-        return seen.key, seen.motion, str(seen.reason)
+        for odometry in shot.odometry if hears_wheels else ():
+            policy.on_odometry(odometry)
+        told = policy.on_picture(shot.picture, shot.grey)
+        return told.key, None if told.motion is None else Pose(*told.motion), told.reason
 
     return look
 
