@@ -18,6 +18,7 @@ from giraff_cli.doctor.inspection import (
     Robot,
     as_lines,
 )
+from giraff_cli.network.interfaces import no_network
 from giraff_cli.terminal.text import json_page
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.kinematics.calibration import Calibration
@@ -120,7 +121,8 @@ def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
     elif not network.has_doors:
         return
     elif not machine.interfaces:
-        yield "network", "this machine has no network: no interface is up", "plug the cable in, or join the Wi-Fi"
+        trouble = no_network(machine.ipv6_alone)
+        yield "network", trouble.what, trouble.remedy
     elif network.protocols and network.protocol not in network.protocols:
         theirs = " and ".join(network.protocols)
         secured = "secured" if "tls" in network.protocols else "lan or fixed"
@@ -133,7 +135,7 @@ def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
 
 def _of_call(call: Probe, look: Inspection) -> tuple[str, str, str] | None:
     machine = look.machine
-    where = ", ".join(f"{each.name} {each.address}" for each in machine.interfaces) or "no interface is up"
+    where = ", ".join(f"{each.name} {each.address}" for each in machine.interfaces) or "none of IPv4"
     port = call.address.rpartition(":")[2]
     match call.outcome:
         case "untrusted":

@@ -58,6 +58,8 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     host: str
     version: str
     interfaces: tuple[Interface, ...] = ()
+    ipv6_alone: tuple[str, ...] = ()
+    """Names of interfaces that have no IPv4 address."""
     services: tuple[str, ...] = ()
     """Parts of a robot that run on it, and meet each other at its Unix sockets."""
     ports: tuple[Port, ...] = ()

@@ -16,7 +16,7 @@ import msgspec
 
 from giraff_base.config import BaseConfig
 from giraff_cli.doctor.inspection import Disk, Geometry, Machine, Port
-from giraff_cli.network.interfaces import interfaces
+from giraff_cli.network.interfaces import interfaces, ipv6_alone
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
@@ -47,7 +47,8 @@ def look_at_machine(
     return Machine(
         host=socket.gethostname(),
         version=version(),
-        interfaces=interfaces(),
+        interfaces=(own := interfaces()),
+        ipv6_alone=ipv6_alone(own),
         services=_services(network),
         disks=(_disk(state_directory(robot or "giraff", environment)), _disk(Path.cwd())),
         settings_problem=_settings_problem(wrong, environment),

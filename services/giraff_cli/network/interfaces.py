@@ -8,9 +8,13 @@ import ipaddress
 import socket
 import struct
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final
 
 import msgspec
+
+from giraff_core.network import IPV4_ALONE
+from giraff_schemas.trouble import Trouble
 
 _FLAGS: Final = 0x8913  # linux/sockios.h, SIOCGIFFLAGS
 _ADDRESS: Final = 0x8915  # SIOCGIFADDR
@@ -34,6 +38,22 @@ def interfaces() -> tuple[Interface, ...]:
     """Those that are up and have an IPv4 address, without the loopback."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
         return tuple(_each(asked))
+
+
+def ipv6_alone(own: tuple[Interface, ...], listed: Path = Path("/proc/self/net/if_inet6")) -> tuple[str, ...]:
+    """Return the names of interfaces that have IPv6 addresses alone, without the loopback. `own`: those with IPv4."""
+    with contextlib.suppress(OSError):  # a kernel without IPv6
+        names = dict.fromkeys(line.split()[-1] for line in listed.read_text(encoding="utf-8").splitlines() if line)
+        return tuple(name for name in names if name not in ("lo", *(each.name for each in own)))
+    return ()
+
+
+def no_network(alone: tuple[str, ...]) -> Trouble:
+    """Return why no robot can be reached without an IPv4 address. `alone`: interfaces that have IPv6 alone."""
+    if not alone:
+        return Trouble("this machine has no network: no interface is up", "plug the cable in, or join the Wi-Fi")
+    fix = f"give it an IPv4 address: by DHCP, or ip address add 169.254.7.1/16 dev {alone[0]} on a cable"
+    return Trouble(f"this machine has IPv6 addresses alone ({', '.join(alone)}), and {IPV4_ALONE.what}", fix)
 
 
 def on_link(address: str, own: tuple[Interface, ...]) -> bool:

@@ -14,6 +14,8 @@ from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 HELLO_PERIOD = 0.25  # s between two requests while none was answered
 SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
 _SILENT: Final = Trouble(f"silent for {SILENCE:g} s", "check the board's power and cable")
+_STRANGE: Final = 100
+"""Bytes without a frame, in the time of silence, from which another device is there. A torn frame has fewer."""
 _READS_AGAIN: Final = 0.02
 """s. `poll` reads the port by itself only where nobody has called `ready` for so long."""
 _BITS: Final = 10  # of a byte on the line, with its start and its stop
@@ -42,6 +44,7 @@ class BoardLink:
         self._rests_until = inf  # s, monotonic; inf: does not rest
         self._seq = 0
         self._heard = 0.0
+        self._strange = 0  # bytes since the last frame, or since the port was opened
         self._next_request = 0.0
         self.mismatch = WELL
         """Why the board that answers is not the right one."""
@@ -97,25 +100,36 @@ class BoardLink:
             self.hello = None
             self.mismatch = WELL  # another board may be there now
             self._reporting = False
-            self._heard = now
+            self._heard, self._strange = now, 0
             self._next_request = now
         self._serial.flush()
         data = self._serial.read()
         arrived = self._decoder.feed(data)
         self._rest(len(data), now)
+        self._strange += len(data)
         if arrived:
-            self._heard = now
+            self._heard, self._strange = now, 0
             self._silence = WELL
         frames = [frame for frame in arrived if self._accept(frame)]
         if self._serial.descriptor() is not None:
             if now - self._heard > SILENCE:
-                self._silence = _SILENT.of(self._serial.path)
+                self._silence = self._why_silent(now - self._heard)
                 self._serial.close(self._silence)
             elif self.hello is None and now >= self._next_request:
                 self._next_request = now + HELLO_PERIOD
                 self._seq = (self._seq + 1) & 0xFFFF
                 self.send(HelloRequestFrame(seq=self._seq))
         return frames
+
+    def _why_silent(self, lasted: float) -> Trouble:
+        """Return why no frame has come for `lasted` s. Another device is told once, whatever its rate is then."""
+        silent = _SILENT.of(self._serial.path)
+        if self._strange < _STRANGE or (self._silence and self._silence != silent):
+            return silent if self._strange < _STRANGE else self._silence
+        what = f"it sends {self._strange / lasted:.0f} bytes/s that are not this board's frames"
+        return Trouble(what, "see whether it is another device; correct `port`, or flash the board").of(
+            self._serial.path
+        )
 
     def send(self, frame: Frame) -> None:
         """Send `frame`; a newer one replaces it until the kernel has begun to take it."""

@@ -14,6 +14,7 @@ from giraff_schemas.trouble import WELL, Trouble
 
 REOPEN_PERIOD = 0.1  # s between two attempts
 NO_PORT: Final = Trouble("no such port", "plug the board in, or correct `port` in the robot file")
+_CORRECT: Final = "correct `port` in the robot file"
 IN_USE: Final = Trouble("in use by another process", "end that one")
 UNPLUGGED: Final = Trouble("unplugged", "it is opened again when it is back")
 _NOT_PERMITTED: Final = Trouble("not permitted", "add this user to the group that owns the port (dialout)")
@@ -22,7 +23,9 @@ _LIKELY: Final = {
     **dict.fromkeys((errno.EACCES, errno.EPERM), _NOT_PERMITTED),
     **dict.fromkeys((errno.EAGAIN, errno.EBUSY), IN_USE),
     **dict.fromkeys((errno.EIO, errno.ENXIO, errno.ENODEV, errno.EBADF), UNPLUGGED),
-    errno.ENOTTY: Trouble("not a serial port", "correct `port` in the robot file"),
+    errno.ENOTTY: Trouble("no serial port", _CORRECT),
+    errno.EISDIR: Trouble("a folder, no serial port", _CORRECT),
+    errno.ELOOP: Trouble("a link that leads to itself", _CORRECT),
 }
 """What an error number of a port probably means."""
 
@@ -133,4 +136,6 @@ def _tell_end_from_silence(descriptor: int) -> None:
 
 def _explain(path: str, error: Exception) -> Trouble:
     """What `error` on the port `path` probably means."""
-    return _LIKELY.get(getattr(error, "errno", None) or 0, Trouble(str(error))).of(path)
+    # pyserial hands on an error of termios as a text alone.
+    number = getattr(error, "errno", None) or next(iter(getattr(error.__context__, "args", ())), None)
+    return _LIKELY.get(number or 0, Trouble(str(error))).of(path)
