@@ -55,7 +55,8 @@ class Repetition:
         rows, columns = np.nonzero(self._ground.bands[0])
         floor = self._ground.floor(np.column_stack([columns, rows]).astype(np.float64))
         x, y = (floor.min(axis=0) + floor.max(axis=0)) / 2 - _CELLS * _CELL / 2
-        return self._ground.projections(np.zeros((1, 5)))[0] @ np.array([[0, _CELL, x], [_CELL, 0, y], [0, 0, 1.0]])
+        cells = np.array([[0.0, _CELL, x], [_CELL, 0.0, y], [0.0, 0.0, 1.0]])
+        return np.asarray(self._ground.projections(np.zeros((1, 5)))[0] @ cells, np.float64)
 
     def _from_above(self, picture: Grey, flags: int) -> Array:
         view = cv2.warpPerspective(picture, self._projection, (_CELLS, _CELLS), flags=flags | cv2.WARP_INVERSE_MAP)

@@ -100,8 +100,9 @@ class BoardLink:
             self.hello = None
             self.mismatch = WELL  # another board may be there now
             self._reporting = False
-            self._heard, self._strange = now, 0
+            self._heard = now
             self._next_request = now
+            self._strange = 0
         self._serial.flush()
         data = self._serial.read()
         arrived = self._decoder.feed(data)
