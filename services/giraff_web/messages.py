@@ -141,11 +141,15 @@ class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):
 
 
 class Part(msgspec.Struct, frozen=True, kw_only=True):
-    """A sensor of the robot: where it looks from, in base_link."""
+    """An ultrasonic sensor of the robot: where it looks from, in base_link, and how far off its axis and ahead."""
 
     x: float
     y: float
     yaw: float
+    half_cone: float
+    """rad."""
+    reach: float
+    """m."""
 
 
 class Room(msgspec.Struct, frozen=True, kw_only=True):

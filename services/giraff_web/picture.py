@@ -42,8 +42,18 @@ class Picture:
 
     @property
     def sensors(self) -> dict[str, Part]:
-        """Where each looks from."""
-        return {name: Part(x=pose.x, y=pose.y, yaw=pose.yaw) for name, pose in self._robot.sensors.items()}
+        """Where each looks from, and what it hears, as the robot says."""
+        robot = self._robot
+        return {
+            name: Part(
+                x=pose.x,
+                y=pose.y,
+                yaw=pose.yaw,
+                half_cone=robot.model(name).half_cone,
+                reach=robot.model(name).reach,
+            )
+            for name, pose in robot.sensors.items()
+        }
 
     def take(self, sample: Sample, now: float) -> None:
         """Take what the robot says."""

@@ -6,9 +6,7 @@ import { freedom, isPlaced } from "./words.js";
 const VIEW = 1.9;
 /** rad to either side of the robot's nose that are drawn as its front. */
 const FRONT = 0.75;
-/** rad to either side of a sensor's axis that are drawn. */
-const HALF_CONE = 0.22;
-/** m that a cone is drawn for when nothing is near. */
+/** m that a cone is drawn for at most when nothing is near. */
 const CLEAR = 1.4;
 /** px of the robot's radius at least, however flat the picture is. */
 const SMALLEST = 16;
@@ -187,11 +185,11 @@ export class Floor {
     const pen = this._pen;
     const heard = echo && (echo.state === "echo" || echo.state === "clear");
     const near = echo?.state === "echo" && echo.range !== null;
-    const reach = near ? echo.range : heard ? CLEAR : 0.5;
+    const reach = near ? echo.range : heard ? Math.min(CLEAR, part.reach) : 0.5;
     const colour = !heard ? this._colours.bad : near && echo.range < radius + 0.2 ? this._colours.bad : this._colours.warn;
     pen.beginPath();
     pen.moveTo(part.x, part.y);
-    pen.arc(part.x, part.y, reach, part.yaw - HALF_CONE, part.yaw + HALF_CONE);
+    pen.arc(part.x, part.y, reach, part.yaw - part.half_cone, part.yaw + part.half_cone);
     pen.closePath();
     if (!heard) return this._stroke(colour, 2, [4, 4]);
     const alpha = pen.globalAlpha;
@@ -201,7 +199,7 @@ export class Floor {
     pen.globalAlpha = alpha;
     if (!near) return;
     pen.beginPath();
-    pen.arc(part.x, part.y, reach, part.yaw - HALF_CONE, part.yaw + HALF_CONE);
+    pen.arc(part.x, part.y, reach, part.yaw - part.half_cone, part.yaw + part.half_cone);
     this._stroke(colour, 4);
   }
 

@@ -61,8 +61,16 @@ export class Picture {
     /** The newest that is shown. */
     this._shown = /** @type {any} */ (null);
     this._drawnOld = false;
+    /** It fills the screen. */
+    this._whole = false;
     this._pen = byId("picture").getContext("2d");
     byId("look").addEventListener("click", () => this._tap());
+    document.addEventListener("click", ({ target }) => this._click(/** @type {Element} */ (target)));
+    document.addEventListener("keydown", ({ key, target }) => {
+      if (key === "Enter" && target === byId("picture")) this._fill(!this._whole);
+      if (key === "Escape" && !(/** @type {Element} */ (target).closest("dialog"))) this._fill(false);
+    });
+    addEventListener("popstate", () => this._fill(false));
   }
 
   onHello() {
@@ -109,6 +117,7 @@ export class Picture {
 
   draw(at, now) {
     const camera = at.state?.camera;
+    if (!camera || !this._on) this._fill(false); // what has ended is told on the page
     byId("camera").hidden = !camera;
     if (!camera) return;
     const age = this._age(now);
@@ -131,6 +140,22 @@ export class Picture {
 
   _isOld(age) {
     return age === null || age >= OLD;
+  }
+
+  /** A tap on the picture makes it fill the screen, and one beside what is touched there ends that. */
+  _click(target) {
+    if (!this._whole) this._fill(target === byId("picture"));
+    else if (!target.closest("#status, #drive, #emergency, #look")) this._fill(false);
+  }
+
+  /** Fill the screen, or end that. The browser's own way back ends it, too. */
+  _fill(whole) {
+    if (whole === this._whole || (whole && !(this._on && this._shown))) return;
+    this._whole = whole;
+    document.body.classList.toggle("whole", whole);
+    byId("picture").setAttribute("aria-pressed", String(whole));
+    if (whole) history.pushState("whole", "");
+    else if (history.state === "whole") history.back();
   }
 
   _tap() {

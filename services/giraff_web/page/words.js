@@ -42,6 +42,27 @@ const ARM = {
   gamepad: "hold an upper shoulder button with the stick centred",
 };
 
+/** Who drives, by the operator's name. */
+const DRIVERS = {
+  demo: "The demonstration",
+  joystick: "The joystick",
+  keyboard: "The keyboard",
+  motion: "A motion that somebody asked for",
+  ros2: "A ROS 2 program",
+  script: "A script",
+  web: "Another page",
+};
+/** As the guard says that somebody else drives, with the instance of that process. */
+const HELD = /^held by (.+) \(\w+\)/;
+
+const driverName = (operator) => DRIVERS[operator] ?? sentence(operator);
+
+/** A reason that people who know no operator by its name understand. */
+function plainWhy(why) {
+  const text = why.replace(HELD, (_, operator) => `${driverName(operator)} drives`);
+  return sentence(text.replace("drives, which gives way", "drives; it gives way"));
+}
+
 export const DEGREES = 180 / Math.PI;
 
 /** Text with the way to release the stop that this page has. */
@@ -61,7 +82,7 @@ export function driverText(state, me, mayDrive, input) {
   const take = free ? ` To take over, ${TAKE[input]}.` : "";
   if (state.page && state.page === me) return "You drive.";
   if (state.device) return `${sentence(state.device)} drives.${take}`;
-  if (state.operator) return `${sentence(state.operator)} drives.${take}`;
+  if (state.operator) return `${driverName(state.operator)} drives.${take}`;
   return free ? `Nobody drives. To drive, ${TAKE[input]}.` : "Nobody drives.";
 }
 
@@ -92,7 +113,7 @@ export function whyText(at) {
   if (!at.hold && ENDED[at.ended]) {
     return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input]}.`;
   }
-  if (at.state?.why) return sentence(at.state.why);
+  if (at.state?.why) return plainWhy(at.state.why);
   return at.hold ? "The robot obeys." : `${HOW[at.input]}.`;
 }
 

@@ -57,6 +57,27 @@ IS_WHOLE = """(button) => {
   return [left + 12, right - 12].every((x) => [top + 4, bottom - 4].every((y) => seen(x, y)));
 }"""
 """Nothing lies over a button's corners, and they are on the screen."""
+SCREENS: Final = ((360, 640), (412, 839), (640, 360), (839, 412), (1280, 800))
+"""CSS pixels of phones upright and on their side, and of a laptop."""
+COVERED = """() => {
+  const seen = [...document.querySelectorAll("button, summary, .field, #place")];
+  const parts = seen.filter((each) => each.checkVisibility({ visibilityProperty: true }));
+  const box = (part) => part.getBoundingClientRect();
+  const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+  const meet = (part, other) => part !== other && !apart(box(part), box(other));
+  const pairs = parts.flatMap((part) => parts.filter((other) => meet(part, other)).map((other) => [part.id, other.id]));
+  const plan = box(document.getElementById("floor"));
+  const [x, y] = [(plan.left + plan.right) / 2, (plan.top + plan.bottom) / 2];
+  const whole = document.body.classList.contains("whole");
+  if (!whole && document.elementFromPoint(x, y).id !== "floor") pairs.push(["floor"]);
+  return pairs;
+}"""
+"""Controls that lie over one another, and a plan whose robot something hides."""
+SHARE = """() => {
+  const { width, height } = document.getElementById("picture").getBoundingClientRect();
+  return (width * height) / (innerWidth * innerHeight);
+}"""
+"""The picture's share of the screen."""
 TURNED = 0.05
 """m by which the wheels have turned."""
 
@@ -233,18 +254,53 @@ def drive_and_see(phone: Phone, observer: Observer) -> TruePose:
     return began
 
 
+def fill(phone: Phone) -> bool:
+    """Make the camera's picture fill the screen. Return whether it does: what is busy may have ended it."""
+    if not phone.page.locator("body.whole").count() and picture(phone, "#picture"):
+        phone.tap(phone.page.locator("#picture"))
+        with suppress(PlaywrightTimeoutError):  # until it does: a second tap would end it
+            phone.page.locator("body.whole").wait_for(timeout=5000)
+    return phone.page.locator("body.whole").count() > 0
+
+
+def fits_screens(phone: Phone) -> None:
+    """On each screen the picture has its share, no control covers another, and STOP is whole, also on the whole one."""
+    kept = os.environ.get("GIRAFF_PICTURES")
+    for size in SCREENS:
+        phone.resize(*size)
+        phone.wait(lambda: picture(phone, "#shown:not(.old) #picture"), "a new picture")
+        for whole, least in ((False, 0.36 if size[0] < size[1] else 0.18), (True, 0.85)):
+            if whole:
+                phone.wait(lambda: fill(phone), "a picture on the whole screen")
+            phone.frames(5)
+            told = f"{size}, {whole}: {phone.told()}"
+            assert phone.page.evaluate(SHARE) > least, told
+            assert phone.page.evaluate(COVERED) == [], told
+            assert phone.page.locator("#stop").evaluate(IS_WHOLE), told
+            if kept:
+                name = f"web-{size[0]}x{size[1]}{'-whole' * whole}.png"
+                (Path(kept) / name).write_bytes(phone.picture())
+        if size == SCREENS[0]:
+            assert phone.violations() == []
+        phone.page.go_back()
+        phone.page.locator("body:not(.whole)").wait_for()
+
+
 def grows_old(phone: Phone, watcher: Device, camera: int) -> None:
     """A picture of a camera's process that stands still is shown as old. Who watches is told of it, and sees none."""
     phone.wait(lambda: picture(phone, "#shown:not(.old)"), "a new picture")
+    phone.wait(lambda: fill(phone), "a picture on the whole screen")
     watcher.wait(lambda: re.search(r"camera is on, for .*\bweb@", watcher.told()), "who looks")
     assert "visual odometry (" in watcher.told()
     assert not watcher.page.locator("#look").is_visible()
     assert not watcher.page.locator("#shown").is_visible()
     os.kill(camera, signal.SIGSTOP)
     try:
-        phone.page.locator("#shown.old").wait_for()
+        phone.page.locator(".whole #shown.old #picture-age").wait_for()
     finally:
         os.kill(camera, signal.SIGCONT)
+    phone.page.keyboard.press("Escape")
+    phone.page.locator("body:not(.whole)").wait_for()
 
 
 def read(code: int, told: str, complaint: str) -> str:
@@ -278,6 +334,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         phone.lift()
         phone.wait(lambda: is_at_rest(phone, observer), "a robot at rest")
         assert distance(began, truth(observer, phone)) < 1.5
+        fits_screens(phone)
 
         laptop = people.laptop()
         laptop.page.goto(address)
@@ -294,7 +351,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         laptop.page.mouse.down()
         laptop.wait(lambda: "STOPPED, not off: this robot's drive has no" in laptop.told(), "what base says of off")
         laptop.page.mouse.up()
-        for size in ((390, 844), (360, 640)):
+        for size in (SCREENS[2], (390, 844), SCREENS[0]):
             phone.resize(*size)
             asks_whole(phone)
         monkeypatch.setenv("XDG_STATE_HOME", os.environ["XDG_RUNTIME_DIR"])  # no page of another test

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { ellipse, roomPlace, steadyScale } from "../../../../services/giraff_web/page/floor.js";
+import { Floor, ellipse, roomPlace, steadyScale } from "../../../../services/giraff_web/page/floor.js";
 import * as words from "../../../../services/giraff_web/page/words.js";
 
 const free = { freedom: "free", allowed: 0.6, sensor: "", reason: "", way_out: "" };
@@ -42,6 +42,9 @@ test("why: the first of what is between the hand and the robot", () => {
   assert.match(why({ ended: "focus", input: "keys" }), /let go of the keys/);
   assert.match(why({ ended: "gamepad", input: "gamepad" }), /the gamepad is not heard, or no hand moves it: let go of the shoulder buttons, centre/);
   assert.equal(why({ hold: 2, state: { ...state, why: "not armed" } }), "Not armed");
+  const held = (text) => why({ state: { ...state, why: `held by ${text}` } });
+  assert.equal(held("demo (7e007ae3), which gives way to others"), "The demonstration drives; it gives way to others");
+  assert.equal(held("keyboard (7e007ae3) until it rests for 5 s"), "The keyboard drives until it rests for 5 s");
   assert.equal(why({ hold: 2 }), "The robot obeys.");
   assert.match(why({ ended: "finger" }), /^Put a finger/);
   assert.match(why({ stopping: true, mayDrive: false }), /emergency stop was asked/);
@@ -67,7 +70,9 @@ test("who drives, and how to take it", () => {
   const driver = (change, may = true) => words.driverText({ ...state, ...change }, 3, may, "pad");
   assert.equal(driver({ page: 3, device: "phone", operator: "web" }), "You drive.");
   assert.equal(driver({ page: 4, device: "phone", operator: "web" }), "Phone drives. To take over, hold the pad.");
-  assert.equal(driver({ operator: "joystick" }, false), "Joystick drives.");
+  assert.equal(driver({ operator: "joystick" }, false), "The joystick drives.");
+  assert.equal(driver({ operator: "web" }, false), "Another page drives.");
+  assert.equal(driver({ operator: "patrol" }, false), "Patrol drives.");
   assert.equal(driver({}), "Nobody drives. To drive, hold the pad.");
   assert.equal(driver({ stop: { engaged: true } }), "Nobody drives.");
 });
@@ -149,4 +154,15 @@ test("the plan keeps its scale beside a text that comes and goes, and its ellips
   assert.equal(steadyScale(50, 30), 30);
   const [long, short, angle] = ellipse([0.01, 0, 0.04]);
   assert.deepEqual([long.toFixed(2), short.toFixed(2), angle], ["0.49", "0.24", Math.PI / 2]);
+});
+
+test("a cone is as wide, and goes as far, as the robot says of the sensor", () => {
+  const arcs = [];
+  const none = () => {};
+  const pen = { beginPath: none, moveTo: none, closePath: none, fill: none, arc: (...arc) => arcs.push(arc) };
+  const part = { x: 0.2, y: 0.1, yaw: 1, half_cone: 0.4, reach: 0.5 };
+  const drawn = (echo) => Floor.prototype._cone.call({ _pen: pen, _colours: {}, _stroke: none }, part, echo, 0.3);
+  drawn({ state: "clear", range: null });
+  drawn({ state: "echo", range: 0.9 });
+  assert.deepEqual(arcs, [0.5, 0.9, 0.9].map((reach) => [0.2, 0.1, reach, 0.6, 1.4]));
 });
