@@ -43,16 +43,10 @@ class Picture:
     @property
     def sensors(self) -> dict[str, Part]:
         """Where each looks from, and what it hears, as the robot says."""
-        robot = self._robot
+        found = ((name, pose, self._robot.model(name)) for name, pose in self._robot.sensors.items())
         return {
-            name: Part(
-                x=pose.x,
-                y=pose.y,
-                yaw=pose.yaw,
-                half_cone=robot.model(name).half_cone,
-                reach=robot.model(name).reach,
-            )
-            for name, pose in robot.sensors.items()
+            name: Part(x=pose.x, y=pose.y, yaw=pose.yaw, half_cone=model.half_cone, reach=model.reach)
+            for name, pose, model in found
         }
 
     def take(self, sample: Sample, now: float) -> None:

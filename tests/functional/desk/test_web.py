@@ -77,7 +77,7 @@ SHARE = """() => {
   const { width, height } = document.getElementById("picture").getBoundingClientRect();
   return (width * height) / (innerWidth * innerHeight);
 }"""
-"""The picture's share of the screen."""
+"""Share of the screen that the picture's box has; upright, the picture fills it."""
 TURNED = 0.05
 """m by which the wheels have turned."""
 
