@@ -61,7 +61,6 @@ export class Picture {
     /** The newest that is shown. */
     this._shown = /** @type {any} */ (null);
     this._drawnOld = false;
-    /** It fills the screen. */
     this._whole = false;
     this._pen = byId("picture").getContext("2d");
     byId("look").addEventListener("click", () => this._tap());

@@ -49,7 +49,6 @@ const DRIVERS = {
   keyboard: "The keyboard",
   motion: "A motion that somebody asked for",
   ros2: "A ROS 2 program",
-  script: "A script",
   web: "Another page",
 };
 /** As the guard says that somebody else drives, with the instance of that process. */
