@@ -106,7 +106,8 @@ class VisualOdometer:
         self._rows = slice(int(rows[0]), int(rows[-1]) + 1) if len(rows) else slice(0, 0)
         self.key = -1
         """Number of the key picture that the next picture's motion will be since; -1: there is none yet."""
-        self._repetition, self._repeats = Repetition(ground), False
+        self._repetition: Repetition | None = None
+        self._repeats = False
         self._chance = np.random.default_rng(0)
         self._corners = np.zeros((0, 2))
         """Corners that are followed: floor, m in `base_link` at the key picture."""
@@ -147,6 +148,7 @@ class VisualOdometer:
         self._renews = False
         self._found, self._sharpness, self._key_picture = len(self._corners), sharpness, grey
         self._motion = np.zeros(5)
+        self._repetition = self._repetition or Repetition(self.ground)
         self._repeats = self._repetition.is_in(grey)
         self.key += 1
 
