@@ -272,8 +272,7 @@ class Run:
     def _view(self, telemetry: RunTelemetry) -> RunView:
         now_ns = robot_now_ns()
         told = () if self._page is None else self._page.addresses
-        far = addresses.of_others(told)
-        hints = [f"drive it: {far or told[0]}", *self._hints[1:]] if told else self._hints
+        hints = [f"drive it: {addresses.of_others(told) or told[0]}", *self._hints[1:]] if told else self._hints
         frame = Frame(
             robot=self._plan.robot.name,
             boards=self._plan.boards,
@@ -282,7 +281,6 @@ class Run:
             seconds=self._plan.seconds,
             hints=hints,
             note=self._joystick.note,
-            address=far,
             code_key="" if self._keys is None else CODE_KEY,
             services={service: self._standing(service, telemetry) for service in self._services},
             look=self._look_hint,

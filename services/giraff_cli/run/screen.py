@@ -13,7 +13,7 @@ from rich.text import Text
 
 from giraff_cli.run.line import line
 from giraff_cli.run.telemetry import RunSnapshot
-from giraff_cli.terminal.addresses import BesideCode, Code, CodeScreen
+from giraff_cli.terminal.addresses import CodeScreen
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
 from giraff_telemetry import panels as blocks
@@ -21,7 +21,6 @@ from giraff_telemetry.layout import HEADING, NONE, Standing, beside, block, cloc
 from giraff_telemetry.panels import dim
 from giraff_telemetry.visual_odometry import visual_text
 
-_COLUMNS: Final = 80
 _TOPIC_COLUMNS: Final = 3
 
 
@@ -40,8 +39,6 @@ class Frame:
     """What a person can do, a line each."""
     note: str
     """What the demonstration does instead of driving; empty: it drives."""
-    address: str
-    """Of the page, for another host; empty: there is none."""
     code_key: str = ""
     """The key that shows the code of the page's address. Empty: none does."""
     services: dict[str, Standing]
@@ -89,7 +86,7 @@ def _hints(frame: Frame) -> list[Text]:
 def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
     """The picture."""
     truth = snapshot.truth
-    picture = Group(
+    return Group(
         _header(frame),
         *([notice(frame.ended)] if frame.ended else []),
         *_hints(frame),
@@ -101,7 +98,6 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
         services(list(frame.services.items())),
         *_last_row(snapshot, frame),
     )
-    return BesideCode(picture, _COLUMNS, Code(frame.address)) if frame.address else picture
 
 
 def _last_row(snapshot: RunSnapshot, frame: Frame) -> list[RenderableType]:

@@ -11,8 +11,7 @@ from functools import lru_cache
 from typing import Final
 from urllib.parse import urlsplit
 
-from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
-from rich.table import Column, Table
+from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 
 from giraff_cli.terminal.output import discard_stdout, is_drawn_on
@@ -22,7 +21,6 @@ _MARK: Final = "page: "
 """Before an address where there is no terminal: for programs."""
 _QUIET: Final = 2
 """Modules of margin around a code. The standard has 4; a phone reads it with 2, and it fits more terminals."""
-_GAP: Final = 2  # characters
 _BENEATH: Final = 3  # rows of a screen with a code: its address, which may take two, and what to do
 _INK: Final = "#ffffff on #000000"
 """Whatever the terminal's own colours are: a code that is light on dark for one and dark on light for the other is read
@@ -102,25 +100,6 @@ class Code:
     def rows(self) -> list[str]:
         """As characters that are light where the code is."""
         return _rows(self.text)
-
-
-@dataclass(frozen=True)
-class BesideCode:
-    """A picture, and to its right a code where the terminal is wide enough for both."""
-
-    picture: RenderableType
-    columns: int
-    """That the picture needs."""
-    code: Code
-
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        width = len(self.code.rows()[0])
-        if options.max_width < self.columns + _GAP + width:
-            yield self.picture
-            return
-        grid = Table.grid(Column(ratio=1), Column(width=width), padding=(0, _GAP, 0, 0), pad_edge=False, expand=True)
-        grid.add_row(self.picture, self.code)
-        yield grid
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 from rich.screen import Screen
-from rich.text import Text
 
 from giraff_cli.terminal import addresses
-from giraff_cli.terminal.addresses import BesideCode, Code, CodeScreen
+from giraff_cli.terminal.addresses import Code, CodeScreen
 
 ONCE = "hMmDbpDbMPVvSFEbH7bN3w"
 FAR = f"https://192.168.1.7:8443/#{ONCE}"
@@ -108,17 +107,6 @@ def test_the_margin_of_a_code_is_light() -> None:
 )
 def test_the_loopback_is_of_no_use_to_a_phone(address: str, is_far: bool) -> None:
     assert addresses.of_others([address]) == (address if is_far else "")
-
-
-@pytest.mark.parametrize(("width", "is_there"), [(80, False), (100, False), (130, True)])
-def test_a_code_stands_beside_a_picture_where_both_fit(width: int, is_there: bool) -> None:
-    console = Console(file=io.StringIO(), width=width, color_system=None)
-    with console.capture() as capture:
-        console.print(BesideCode(Text("\n".join(["-" * 80] * 24)), 80, Code(FAR)))
-    lines = capture.get().splitlines()
-    assert len(lines) == 24
-    assert [line[:80] for line in lines] == ["-" * 80] * 24
-    assert ("█" in capture.get()) is is_there
 
 
 LONGEST = f"https://[2001:db8:1234:5678:9abc:def0:1234:5678]:65535/#{ONCE}xx"

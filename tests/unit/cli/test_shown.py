@@ -52,7 +52,6 @@ FRAME = Frame(
     seconds=600.0,
     hints=("drive it: .venv/bin/giraff drive", "stop it:  .venv/bin/giraff stop"),
     note="",
-    address="",
     services={"joystick": "alive", "guard": "alive", "base": "alive", "ranger": "silent", "odometry": "ended"},
     localization=None,
     notices=(),
