@@ -23,9 +23,7 @@ turn 180deg
 arc 1.0 90deg
 go 1.5,2.2
 run --web
-web --devices
 view drive.mcap
-top --once
 camera view --save head.jpg
 camera board board.svg
 localize --at 1.5,2.2,0deg
@@ -33,7 +31,6 @@ logs --since 10min --level warning
 topic echo odom --field x --count 5
 topic info odom
 topic hz odom --for 10
-topic bw --for 10
 topic pub battery '{"voltage": 23.5}' --robot sim-mine
 node info guard
 param list guard
@@ -55,7 +52,6 @@ map show deploy/worlds/flat.toml
 map convert deploy/worlds/flat.toml flat.yaml
 keys host robot 192.168.1.20
 completion bash
-dst --seeds 20
 """.splitlines()
 """The example in the help of a command, and of a group the first one. Other commands need no word."""
 

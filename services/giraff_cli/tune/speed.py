@@ -20,7 +20,7 @@ from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, sign
 from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
 from giraff_cli.tune.speed_fit import DISTANCE, RULE, CannotTellError, Follow, Leg, fastest, follow, legs_of, measure
 from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_follow, tell_motors
-from giraff_cli.tune.trial import TABLE, on_trial
+from giraff_cli.tune.trial import TABLE, Trial
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.messages import Wheels
@@ -158,7 +158,7 @@ def _judge(
     report: Report,
 ) -> int:
     """Drive with gains that only a better drive leaves in the file; the exit code."""
-    with on_trial(human, path, found) as trial:
+    with Trial(human, path, found) as trial:
         human.tell(
             f"Written: [{TABLE}] of {path}; as it was before: {trial.copy}. "
             "Restart base now, with the robot at rest, so that it goes by them."

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
+from typing import Final, Self
 
 from giraff_cli.robot_file import Value, before_today, record
 from giraff_cli.terminal.human import Human
@@ -15,35 +14,33 @@ TABLE: Final = "base.drive.speed_control"
 
 
 class Trial:
-    """The robot file with other gains."""
+    """The robot file with other gains. It is put back at the end, whatever ends it, unless its gains stay."""
 
-    def __init__(self, path: Path, found: Mapping[str, Value]) -> None:
+    def __init__(self, human: Human, path: Path, found: Mapping[str, Value]) -> None:
         """Raises RobotFileError."""
+        self._human, self._path = human, path
         self.copy = record(path, TABLE, found, kept_as=before_today())
         """The file as it was."""
+        self._written = path.read_bytes()
         self.stays = False
         """The new gains are better."""
 
+    def __enter__(self) -> Self:
+        return self
 
-@contextmanager
-def on_trial(human: Human, path: Path, found: Mapping[str, Value]) -> Iterator[Trial]:
-    """Put the file back at the end, whatever ends it, unless its gains stay. Raises RobotFileError."""
-    trial = Trial(path, found)
-    written = path.read_bytes()
-    try:
-        yield trial
-    finally:
-        if not trial.stays:
-            try:
-                _put_back(path, trial.copy, written)
-            except OSError as error:
-                human.tell(f"The gains on trial are still in {path}: {error}. It was before: {trial.copy}.")
-            else:
-                human.tell(f"{path} is as it was. If base has been restarted, restart it once more, at rest.")
-
-
-def _put_back(path: Path, copy: Path | None, written: bytes) -> None:
-    if copy is None or path.read_bytes() != written:
-        raise OSError("it was changed meanwhile")
-    write_file_durably(path, copy.read_bytes())
-    copy.unlink()
+    def __exit__(self, *_: object) -> None:
+        if self.stays:
+            return
+        why = "it was changed meanwhile"
+        try:
+            if self.copy is not None and self._path.read_bytes() == self._written:
+                write_file_durably(self._path, self.copy.read_bytes())
+                self.copy.unlink()
+                why = ""
+        except OSError as error:
+            why = str(error)
+        self._human.tell(
+            f"The gains on trial are still in {self._path}: {why}. It was before: {self.copy}."
+            if why
+            else f"{self._path} is as it was. If base has been restarted, restart it once more, at rest."
+        )
