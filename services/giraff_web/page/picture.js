@@ -153,8 +153,8 @@ export class Picture {
     this._whole = whole;
     document.body.classList.toggle("whole", whole);
     byId("picture").setAttribute("aria-pressed", String(whole));
-    if (whole) history.pushState("whole", "");
-    else if (history.state === "whole") history.back();
+    // Only a person goes back: at the same time as them the page would go one step too far, and leave.
+    if (whole && history.state !== "whole") history.pushState("whole", "");
   }
 
   _tap() {
