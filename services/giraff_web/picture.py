@@ -42,7 +42,7 @@ class Picture:
 
     @property
     def sensors(self) -> dict[str, Part]:
-        """Where each looks from, and what it hears, as the robot says."""
+        """Return where each looks from, and how wide and far it hears, as the robot says."""
         found = ((name, pose, self._robot.model(name)) for name, pose in self._robot.sensors.items())
         return {
             name: Part(x=pose.x, y=pose.y, yaw=pose.yaw, half_cone=model.half_cone, reach=model.reach)

@@ -53,14 +53,13 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
     if not compared:
         return print_error(
             f"{path}: nothing in it can be compared: it takes two samples of wheels and odom, or all that the guard "
-            f"hears, {_least(recording)}"
+            f"hears {_least(recording)}"
         )
     sys.stdout.write(_told(found, as_json=as_json))
     if left := [agreement.key for agreement in found if agreement.left_out and not agreement.compared]:
         return print_error(
             f"{path}: {', '.join(left)}: nothing could be compared in {recording.seconds:.0f} s: it was at work before "
-            f"the recording began, or too much is missing; record from its start, or a guard {_least(recording)}, or "
-            "vision until its second key picture"
+            f"the recording began, or too much is missing; record from its start, or {_least(recording)}"
         )
     agrees = all(agreement.share >= least for agreement in compared)
     return _AGREES if agrees and not strange and not unread else _DIFFERS
@@ -96,7 +95,7 @@ def agreements(recording: Recording, strange: dict[str, str], unread: Unread | N
 def _least(recording: Recording) -> str:
     """Return what a recording must have of a guard that was at work before it began."""
     config = table_of(recording, "guard", GuardConfig)
-    return f"for {config.memory_time + SETTLES:g} s, in which the robot goes {config.fade_travel:g} m"
+    return f"for {config.memory_time + SETTLES:g} s in which the robot goes {config.fade_travel:g} m"
 
 
 def _vision(

@@ -68,7 +68,7 @@ def run_directories() -> tuple[list[Path], float | None]:
 def remove_run_sockets(network: NetworkConfig) -> None:
     """Remove the folder where the parts of a run met, and those of runs that were killed. One that is in use stays."""
     own = socket_folder(network)
-    for folder in (own,) if network.sockets else own.parent.glob(_OF_RUNS):
+    for folder in () if network.sockets else own.parent.glob(_OF_RUNS):  # others may meet in a folder that has a name
         after = 0.0 if folder == own else _ABANDONED
         with contextlib.suppress(OSError):  # in use, or just gone
             status = folder.lstat()

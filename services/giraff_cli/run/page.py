@@ -58,7 +58,7 @@ class Page:
 
     @property
     def code(self) -> CodeScreen | None:
-        """What a person looks at instead of the run. None: at the run."""
+        """Return the code that a person looks at instead of the run. None: nobody asked for it."""
         why_here = _NO_NETWORK if self._everywhere else _KEPT_OFF
         return CodeScreen(self.addresses, why_here) if self._shows_code else None
 

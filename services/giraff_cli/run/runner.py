@@ -281,7 +281,7 @@ class Run:
             seconds=self._plan.seconds,
             hints=hints,
             note=self._joystick.note,
-            code_key="" if self._keys is None else CODE_KEY,
+            code_key=CODE_KEY if self._keys is not None and self._keys.are_heard else "",
             services={service: self._standing(service, telemetry) for service in self._services},
             look=self._look_hint,
             vision=self._standing(VISION.name, telemetry) if self._plan.camera else None,

@@ -77,7 +77,7 @@ class RunView:
 
 
 def _hints(frame: Frame) -> list[Text]:
-    """As many rows whatever they say, but for a command or an address that is longer than a row: it is to be typed."""
+    """Return rows, as many whatever they say. Only a command or an address folds, since it is to be typed."""
     first, *others = (Text(printable(hint), style="green", overflow="fold") for hint in frame.hints)
     note = Text(printable(frame.note), style="green", no_wrap=True, overflow="ellipsis")
     return others if frame.ended else [note if frame.note else first, *others]

@@ -21,12 +21,16 @@ class Keys:
         self._input = sys.stdin.fileno()
         self._before: list[Any] | None = None
         """How the terminal was; None: it has not been changed yet."""
+        self.are_heard = False
+        """At the last look the terminal was this program's."""
 
     def read(self) -> str:
         """Return what was typed since the last call. Never waits; without a terminal it is nothing."""
+        self.are_heard = False
         with contextlib.suppress(OSError, termios.error):  # it is no terminal, or is gone
             if os.tcgetpgrp(self._input) != os.getpgrp():
                 return ""
+            self.are_heard = True
             now = termios.tcgetattr(self._input)
             if now[3] & termios.ICANON:  # at first, and after a shell has had it
                 self._before = self._before or now

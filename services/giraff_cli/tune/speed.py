@@ -30,8 +30,7 @@ DONE: Final = 0
 REFUSED: Final = 1
 _INTERRUPTED: Final = 130
 _FREE: Final = DISTANCE + 0.1  # m
-_NOT_WRITTEN: Final = "Nothing was written."
-_KEEP: Final = "Keep what the file has: it drives as well"
+_NOT_KEPT: Final = "No gains were changed for good."
 
 
 class Driven(Protocol):
@@ -67,21 +66,21 @@ def _tune(robot: str | None, connect: Sequence[str], file: Path | None, report: 
                 )
             if not driven.goes_by(present):
                 return complain(
-                    f"base does not say that it goes by the gains of {path}; restart it with this file, or see "
-                    "giraff param get base.drive.speed_control",
+                    f"base does not say that it goes by the gains of {path}; restart it with this file. "
+                    f"If a trial was killed, the file as it was is {path.name}.before-DATE",
                     UNUSABLE,
                 )
             return converse(Terminal(sys.stdin, sys.stdout), driven, connection.robot, filed, drive, path, report)
         except (ConfigError, RobotFileError) as error:
             return complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
-            return complain(f"interrupted. {_NOT_WRITTEN}", _INTERRUPTED)
+            return complain(f"interrupted. {_NOT_KEPT}", _INTERRUPTED)
 
     with signals_interrupt():
         try:
             return run_with_robot(robot, connect, PATIENCE, act, moves=True, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
-            return complain(f"interrupted. {_NOT_WRITTEN}", _INTERRUPTED)
+            return complain(f"interrupted. {_NOT_KEPT}", _INTERRUPTED)
 
 
 def drive_of(path: Path) -> WheelsConfig:
@@ -114,7 +113,7 @@ def converse(
     )
     try:
         if not agrees(human, f"Are {_FREE:g} m ahead of it free? [yes/no]"):
-            return complain(f"nothing has moved. {_NOT_WRITTEN}", REFUSED)
+            return complain(f"nothing has moved. {_NOT_KEPT}", REFUSED)
         legs = _drive(driven, filed)
         _tell(tell_drive(legs, dots=takes_dots()))
         motors, proposal = measure(legs, drive.speed_control)
@@ -129,17 +128,17 @@ def converse(
             human.tell(text)
         before, changes = follow(legs), proposal.changes(drive.speed_control)
         if before.is_good or not changes:
-            human.tell(f"{_KEEP} as a drive can tell. {_NOT_WRITTEN}")
+            human.tell(f"Keep what the file has: it drives as well as a drive can tell. {_NOT_KEPT}")
             return DONE
         _tell(tell_changes(changes, proposal.bound))
         if not agrees(human, f"Write into [{TABLE}] of {path}, for a second drive to judge them? [yes/no]"):
-            return complain(f"not wanted. {_NOT_WRITTEN}", REFUSED)
+            return complain(f"not wanted. {_NOT_KEPT}", REFUSED)
         found = {name: after for name, (_, after) in changes.items()}
         return _judge(human, driven, filed, path, found, before, report)
     except (UnfitDriveError, CannotTellError) as error:
-        return complain(f"{error}. {_NOT_WRITTEN}", REFUSED)
+        return complain(f"{error}. {_NOT_KEPT}", REFUSED)
     except NobodyError:
-        return complain(f"nobody answers. {_NOT_WRITTEN}", UNUSABLE)
+        return complain(f"nobody answers. {_NOT_KEPT}", UNUSABLE)
     except RobotFileError as error:
         first, *by_hand = str(error).splitlines()
         complain(first, REFUSED)
@@ -178,8 +177,8 @@ def _judge(
         report(document(path, {TABLE: found}, trial.copy))
         human.tell(f"The second drive is better. {path} keeps these gains; as it was before: {trial.copy}.")
     else:
-        human.tell(f"{_KEEP}.")
-    return DONE
+        human.tell("The second drive is not better.")
+    return DONE if trial.is_settled else REFUSED
 
 
 def _drive(driven: Driven, filed: RobotConfig) -> list[Leg]:

@@ -88,9 +88,9 @@ class Follow(NamedTuple):
         return max(self) <= _FELT
 
     def beats(self, other: Follow) -> bool:
-        """Return True if it is better by more than the encoders' noise, and worse in nothing."""
-        less = [theirs - own for own, theirs in zip(self, other, strict=True)]
-        return min(less) >= 0.0 and max(less) > _FELT
+        """Return True if overshoot or error is smaller by what is felt, the error no larger, overshoot hardly."""
+        overshoot, error = other.overshoot - self.overshoot, other.error - self.error
+        return error >= 0.0 and overshoot >= -_FELT and max(overshoot, error) > _FELT
 
 
 class Motor(NamedTuple):

@@ -17,18 +17,21 @@ class Trial:
     """The robot file with other gains. It is put back at the end, whatever ends it, unless its gains stay."""
 
     def __init__(self, human: Human, path: Path, found: Mapping[str, Value]) -> None:
-        """Raises RobotFileError."""
+        """Write the gains. Raises RobotFileError."""
         self._human, self._path = human, path
         self.copy = record(path, TABLE, found, kept_as=before_today())
         """The file as it was."""
         self._written = path.read_bytes()
         self.stays = False
         """The new gains are better."""
+        self.is_settled = False
+        """At the end the file has the better gains, and no others."""
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.is_settled = self.stays
         if self.stays:
             return
         why = "it was changed meanwhile"
@@ -36,11 +39,11 @@ class Trial:
             if self.copy is not None and self._path.read_bytes() == self._written:
                 write_file_durably(self._path, self.copy.read_bytes())
                 self.copy.unlink()
-                why = ""
+                self.is_settled = True
         except OSError as error:
             why = str(error)
         self._human.tell(
             f"The gains on trial are still in {self._path}: {why}. It was before: {self.copy}."
-            if why
+            if not self.is_settled
             else f"{self._path} is as it was. If base has been restarted, restart it once more, at rest."
         )

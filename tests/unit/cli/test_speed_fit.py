@@ -55,14 +55,17 @@ def test_measurements_that_disagree_propose_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("after", "is_better"),
+    ("before", "after", "is_better"),
     [
-        (Follow(0.0, 0.004), True),
-        (Follow(0.0, 0.005), False),
-        (Follow(0.045, 0.0), False),
-        (Follow(0.051, 0.0), False),
-        (Follow(0.05, 0.004), False),
+        (Follow(0.05, 0.004), Follow(0.0, 0.004), True),
+        (Follow(0.05, 0.004), Follow(0.0, 0.005), False),
+        (Follow(0.05, 0.004), Follow(0.045, 0.0), False),
+        (Follow(0.05, 0.004), Follow(0.05, 0.004), False),
+        (Follow(0.0, 0.055), Follow(0.003, 0.002), True),  # gains that were too weak
+        (Follow(0.0, 0.055), Follow(0.011, 0.002), False),
     ],
 )
-def test_a_drive_is_better_by_more_than_noise_and_worse_in_nothing(after: Follow, *, is_better: bool) -> None:
-    assert after.beats(Follow(0.05, 0.004)) == is_better
+def test_a_drive_is_better_by_more_than_noise_and_worse_in_nothing_felt(
+    before: Follow, after: Follow, *, is_better: bool
+) -> None:
+    assert after.beats(before) == is_better

@@ -200,7 +200,7 @@ def test_a_second_drive_that_is_no_better_leaves_the_file(desk: Desk) -> None:
     desk.gains = [60.0, 60.0]
     assert desk.type()[::2] == (0, "")
     assert "is as it was" in desk.told[-2]
-    assert desk.told[-1] == "Keep what the file has: it drives as well."
+    assert desk.told[-1] == "The second drive is not better."
     assert desk.is_untouched()
 
 
@@ -210,7 +210,7 @@ def test_a_file_that_somebody_edits_during_the_trial_is_not_overwritten(desk: De
         desk.path.write_text(desk.path.read_text(encoding="utf-8") + "# mine\n", encoding="utf-8")
 
     desk.gains, desk.restarts = [60.0, 60.0], edit
-    assert desk.type()[::2] == (0, "")
+    assert desk.type()[::2] == (1, "")
     assert "gains on trial are still in" in desk.told[-2]
     assert desk.path.read_text(encoding="utf-8").endswith("# mine\n")
     [kept] = [each for each in desk.path.parent.iterdir() if each != desk.path]

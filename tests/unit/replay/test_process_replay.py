@@ -155,7 +155,7 @@ def test_a_recording_of_another_version_is_named(giraff_replay: Replay, tmp_path
     assert code == 2
     assert "old.mcap: not of this version: giraff/sim-test/odom: not a Odometry: `" in complaint
     assert "nothing in it can be compared" in complaint
-    assert "all that the guard hears, for 21 s, in which the robot goes 2 m" in complaint
+    assert "all that the guard hears for 21 s in which the robot goes 2 m" in complaint
 
 
 def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Replay, tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Replay
     code, _, complaint = giraff_replay(str(tmp_path / "short.mcap"))
     assert code == 2
     assert "short.mcap: cmd_vel, guard, lease: nothing could be compared in 4 s: " in complaint
-    assert "or a guard for 21 s, in which the robot goes 2 m, " in complaint
+    assert "record from its start, or for 21 s in which the robot goes 2 m" in complaint
 
 
 def test_the_command_tells_it(giraff_replay: Replay, tmp_path: Path) -> None:
