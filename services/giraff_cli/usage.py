@@ -22,8 +22,6 @@ move 1.0 --speed 0.2
 turn 180deg
 arc 1.0 90deg
 go 1.5,2.2
-run --web
-view drive.mcap
 camera view --save head.jpg
 camera board board.svg
 localize --at 1.5,2.2,0deg
@@ -33,7 +31,6 @@ topic info odom
 topic hz odom --for 10
 topic pub battery '{"voltage": 23.5}' --robot sim-mine
 node info guard
-param list guard
 param get guard.margin
 param describe guard.margin
 param set guard.margin 0.3

@@ -14,7 +14,6 @@ _KINDS: Final = {
     ROBOT_FILE: (ROBOT_TABLES, "give it by --file or GIRAFF_CONFIG"),
     ROOM: (("start", "waypoints", "walls", "posts", "thresholds"), "give it by `giraff run --world` or --map"),
     PATTERN: (("step",), "drive it by `giraff go`"),
-    "the note beside a host's keys": (("made", "expires"), "let keys in [network] name its folder"),
 }
 """By kind: names at the top of a file that no other kind has, and where to give such a file instead."""
 

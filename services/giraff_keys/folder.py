@@ -53,8 +53,9 @@ def lay_down(target: Path, public: Mapping[str, bytes], private: Mapping[str, by
             target.rename(old)
         new.rename(target)
         _sync(target.parent)
-    except OSError as error:  # hidden names tell nobody anything
-        error.filename = str(target.parent.absolute())
+    except OSError as error:
+        if error.filename:  # a hidden one, which tells nobody anything
+            error.filename = str(target.parent.absolute())
         raise
     finally:
         with contextlib.suppress(OSError):  # then the next one who holds the folder does it

@@ -16,7 +16,6 @@ _FARTHEST: Final = 0.4  # m: no robot goes farther between two pictures, even wh
 _OVERLAP: Final = 0.25  # share of the view that both must show: a smaller part is alike by chance
 _ALIKE: Final = 0.65
 """Correlation from which the pattern repeats. Bricks and tiles of different shades reach 0.6, equal ones 0.7."""
-_LEAST: Final = 1e-9
 _NEIGHBOURS: Final = np.full((5, 5), 1, np.uint8)
 _SHIFT: Final = np.hypot(*np.mgrid[-_CELLS:_CELLS, -_CELLS:_CELLS]) * _CELL  # m
 _IN_REACH: Final = (_SHIFT > _NEAREST) & (_SHIFT < _FARTHEST)
@@ -41,7 +40,7 @@ class Repetition:
         pattern = (grey - (grey * shown).sum() / max(1.0, shown.sum())) * shown
         place, own, power = (np.fft.rfft2(each, (2 * _CELLS, 2 * _CELLS)) for each in (shown, pattern, pattern**2))
         overlap, powers = _shifted(place, place), _shifted(power, place) * _shifted(place, power)
-        likeness = _shifted(own, own) / np.sqrt(np.maximum(powers, _LEAST))
+        likeness = _shifted(own, own) / np.sqrt(np.maximum(powers, 1e-9))
         likeness[(overlap < _OVERLAP * shown.sum()) | (overlap < 1.0)] = 0.0
         is_peak = (likeness >= cv2.dilate(likeness, _NEIGHBOURS)) & _IN_REACH
         return bool((likeness[is_peak] > _ALIKE).any())

@@ -42,10 +42,10 @@ def interfaces() -> tuple[Interface, ...]:
 
 def ipv6_alone(own: tuple[Interface, ...], listed: Path = Path("/proc/self/net/if_inet6")) -> tuple[str, ...]:
     """Return the names of interfaces that have IPv6 addresses alone, without the loopback. `own`: those with IPv4."""
-    with contextlib.suppress(OSError):  # a kernel without IPv6
-        names = dict.fromkeys(line.split()[-1] for line in listed.read_text(encoding="utf-8").splitlines() if line)
-        return tuple(name for name in names if name not in ("lo", *(each.name for each in own)))
-    return ()
+    with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
+        names = dict.fromkeys(line.split()[-1] for line in listed.read_text(encoding="utf-8").splitlines())
+        return tuple(name for name in names if _flags_up(asked, name) and name not in {each.name for each in own})
+    return ()  # a kernel without IPv6
 
 
 def no_network(alone: tuple[str, ...]) -> Trouble:
@@ -73,12 +73,17 @@ def is_own(address: str, own: tuple[Interface, ...]) -> bool:
     return False
 
 
+def _flags_up(asked: socket.socket, name: str) -> int:
+    """Return the flags of an interface. 0: it is down, or the loopback. Raises OSError."""
+    flags: int = struct.unpack_from("H", fcntl.ioctl(asked, _FLAGS, _REQUEST.pack(name.encode())), 16)[0]
+    return flags if flags & (_UP_AND_RUNNING | _LOOPBACK) == _UP_AND_RUNNING else 0
+
+
 def _each(asked: socket.socket) -> Iterator[Interface]:
     for _, name in socket.if_nameindex():
         request = _REQUEST.pack(name.encode())
         with contextlib.suppress(OSError):  # it is gone since it was listed, or has no address
-            (flags,) = struct.unpack_from("H", fcntl.ioctl(asked, _FLAGS, request), 16)
-            if flags & _UP_AND_RUNNING != _UP_AND_RUNNING or flags & _LOOPBACK:
+            if not (flags := _flags_up(asked, name)):
                 continue
             # A struct sockaddr_in: family and port, 2 bytes each, before the address.
             address, mask = (

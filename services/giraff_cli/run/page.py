@@ -48,7 +48,6 @@ class Page:
         self._everywhere = everywhere
         self.addresses: tuple[str, ...] = ()
         """The newest; empty: none so far."""
-
         self._shows_code = False
 
     def on_keys(self, typed: str) -> None:

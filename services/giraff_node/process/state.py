@@ -44,8 +44,9 @@ def write_file_durably(path: Path, data: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         fresh.replace(path)
-    except OSError as error:  # the hidden name tells nobody anything
-        error.filename = str(path)
+    except OSError as error:
+        if error.filename:  # a hidden one, which tells nobody anything
+            error.filename = str(path)
         raise
     finally:
         with contextlib.suppress(OSError):

@@ -8,6 +8,7 @@ import pytest
 
 from giraff_cli.doctor.findings import findings
 from giraff_cli.doctor.inspection import Inspection, Machine, Network
+from giraff_cli.network import interfaces
 from giraff_cli.network.interfaces import Interface, ipv6_alone
 
 LISTED = """fd000000000000000000000000000002 02 40 00 80     eth0
@@ -15,8 +16,14 @@ LISTED = """fd000000000000000000000000000002 02 40 00 80     eth0
 """
 
 
-@pytest.mark.parametrize(("own", "alone"), [((), ("eth0",)), (("eth0",), ())])
-def test_an_interface_of_ipv6_alone_is_named(tmp_path: Path, own: tuple[str, ...], alone: tuple[str, ...]) -> None:
+@pytest.mark.parametrize(
+    ("own", "up", "alone"),
+    [((), "eth0", ("eth0",)), (("eth0",), "eth0", ()), ((), "none: the cable is out", ())],
+)
+def test_an_interface_of_ipv6_alone_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, own: tuple[str, ...], up: str, alone: tuple[str, ...]
+) -> None:
+    monkeypatch.setattr(interfaces, "_flags_up", lambda _, name: int(name == up))
     (tmp_path / "listed").write_text(LISTED)
     known = tuple(Interface(name=name, address="10.1.1.2/24", multicast=True) for name in own)
     assert ipv6_alone(known, tmp_path / "listed") == alone

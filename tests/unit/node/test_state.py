@@ -93,7 +93,7 @@ def test_a_write_that_fails_leaves_the_old_file_whole(
     write_latch(tmp_path, ENGAGED)
 
     def no_space(*_: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), ".hidden")
 
     monkeypatch.setattr(owner, fails, no_space)
     with pytest.raises(OSError, match=f"No space left on device: '{tmp_path}/{LATCH_FILE}'$"):
