@@ -7,12 +7,10 @@ import time
 from typing import Any, Final
 
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.limits import ask_base
 from giraff_core.robot import RobotConfig
-from giraff_node.network.query_client import QueryClient
 from giraff_schemas.messages import Sample, Wheels
-from giraff_schemas.params import ParamDescribe
-from giraff_schemas.services import BASE
-from giraff_schemas.topics import PARAM_DESCRIBE, WHEELS, Topic
+from giraff_schemas.topics import WHEELS, Topic
 
 _PATIENCE: Final = 3.0  # s
 _TURN: Final = 0.02  # s
@@ -60,16 +58,11 @@ class NetworkWheels:
 
 
 def differences(connection: RobotConnection, robot: RobotConfig) -> list[str]:
-    """Where the robot that runs was built otherwise than the robot file says, in words; none where base is silent."""
-    asking = QueryClient(connection.session, connection.robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe())
-    deadline = time.monotonic() + _PATIENCE
-    while (now := time.monotonic()) < deadline:
-        if (answer := asking.poll(now)) is not None:
-            told = {param.name.removeprefix("robot."): param.value for param in answer.params}
-            return [
-                f"{name} is {getattr(robot, name):g} in the robot file of this machine and {told[name]} in the robot"
-                for name in _COMPARED
-                if name in told and told[name] != getattr(robot, name)
-            ]
-        time.sleep(_TURN)
-    return []
+    """Return how the robot file differs from what the robot that runs says, in words. Empty where base is silent."""
+    answer = ask_base(connection).wait(time.monotonic() + _PATIENCE)
+    told = {param.name.removeprefix("robot."): param.value for param in answer.params} if answer else {}
+    return [
+        f"{name} is {getattr(robot, name):g} in the robot file of this machine and {told[name]} in the robot"
+        for name in _COMPARED
+        if name in told and told[name] != getattr(robot, name)
+    ]

@@ -14,13 +14,11 @@ from typing import Final
 import msgspec
 
 from giraff_core.network import IPV4_ALONE
+from giraff_node.network.host_addresses import flags_up
 from giraff_schemas.trouble import Trouble
 
-_FLAGS: Final = 0x8913  # linux/sockios.h, SIOCGIFFLAGS
 _ADDRESS: Final = 0x8915  # SIOCGIFADDR
 _NETMASK: Final = 0x891B  # SIOCGIFNETMASK
-_UP_AND_RUNNING: Final = 0x1 | 0x40  # linux/if.h
-_LOOPBACK: Final = 0x8
 _MULTICAST: Final = 0x1000
 _REQUEST: Final = struct.Struct("16s24x")  # struct ifreq
 
@@ -44,7 +42,7 @@ def ipv6_alone(own: tuple[Interface, ...], listed: Path = Path("/proc/self/net/i
     """Return the names of interfaces that have IPv6 addresses alone, without the loopback. `own`: those with IPv4."""
     with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
         names = dict.fromkeys(line.split()[-1] for line in listed.read_text(encoding="utf-8").splitlines())
-        return tuple(name for name in names if _flags_up(asked, name) and name not in {each.name for each in own})
+        return tuple(name for name in names if flags_up(asked, name) and name not in {each.name for each in own})
     return ()  # a kernel without IPv6
 
 
@@ -73,17 +71,11 @@ def is_own(address: str, own: tuple[Interface, ...]) -> bool:
     return False
 
 
-def _flags_up(asked: socket.socket, name: str) -> int:
-    """Return the flags of an interface. 0: it is down, or the loopback. Raises OSError."""
-    flags: int = struct.unpack_from("H", fcntl.ioctl(asked, _FLAGS, _REQUEST.pack(name.encode())), 16)[0]
-    return flags if flags & (_UP_AND_RUNNING | _LOOPBACK) == _UP_AND_RUNNING else 0
-
-
 def _each(asked: socket.socket) -> Iterator[Interface]:
     for _, name in socket.if_nameindex():
         request = _REQUEST.pack(name.encode())
         with contextlib.suppress(OSError):  # it is gone since it was listed, or has no address
-            if not (flags := _flags_up(asked, name)):
+            if not (flags := flags_up(asked, name)):
                 continue
             # A struct sockaddr_in: family and port, 2 bytes each, before the address.
             address, mask = (

@@ -23,10 +23,15 @@ _TURN: Final = 0.01  # s
 _SHARED: Final = "robot."
 
 
+def ask_base(connection: RobotConnection) -> QueryClient[ParamDescribe, ParamAnswer]:
+    """Return a question for all parameters of base, the table [robot] among them."""
+    return QueryClient(connection.session, connection.robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe())
+
+
 def ask_limits(connection: RobotConnection, verb: str) -> RobotConfig:
     """The robot's geometry and limits, as base goes by them. Raises NoRobotError. `verb`: that asks."""
     robot = connection.robot
-    asking = QueryClient(connection.session, robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe())
+    asking = ask_base(connection)
     began = time.monotonic()
     says_at = began + _SAYS_SO
     while (now := time.monotonic()) < began + _PATIENCE:

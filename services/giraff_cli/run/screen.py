@@ -61,7 +61,7 @@ class RunView:
     snapshot: RunSnapshot
     frame: Frame
     code: CodeScreen | None = None
-    """What a person looks at instead."""
+    """It takes the place of the picture. None: the picture is shown."""
 
     @property
     def elapsed(self) -> float:

@@ -108,7 +108,7 @@ class CodeScreen:
 
     addresses: Sequence[str]
     why_here: str
-    """Why no other host can open any of them, where it is so."""
+    """The reason that is told where no other host can open any of the addresses."""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         if far := of_others(self.addresses):

@@ -20,7 +20,7 @@ class Keys:
     def __init__(self) -> None:
         self._input = sys.stdin.fileno()
         self._before: list[Any] | None = None
-        """How the terminal was; None: it has not been changed yet."""
+        """The terminal's settings at the start. None: nothing has changed them yet."""
         self.are_heard = False
         """At the last look the terminal was this program's."""
 

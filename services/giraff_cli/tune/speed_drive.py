@@ -9,16 +9,14 @@ from contextlib import closing
 from typing import Any, Final
 
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.limits import ask_base
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.tune.speed_fit import DISTANCE, SPEED
 from giraff_core.motion.result import MotionResult
 from giraff_node.motion_client import TURN, MotionClient, Wish
-from giraff_node.network.query_client import QueryClient
 from giraff_schemas.messages import Battery, GuardedCommand, Lease, Sample, Wheels
 from giraff_schemas.motion import Move
-from giraff_schemas.params import ParamDescribe
-from giraff_schemas.services import BASE
-from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, PARAM_DESCRIBE, WHEELS, Topic
+from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, WHEELS, Topic
 
 PATIENCE: Final = 3.0
 """s for wheels, for the robot's clock, and for the lease that motion gives back."""
@@ -55,10 +53,7 @@ class SpeedDrive:
 
     def goes_by(self, gains: Mapping[str, float]) -> bool:
         """Return True if base says that these settings of `[base.drive.speed_control]` are in force."""
-        asking = QueryClient(
-            self._connection.session, self._connection.robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe()
-        )
-        answer = asking.wait(time.monotonic() + PATIENCE)
+        answer = ask_base(self._connection).wait(time.monotonic() + PATIENCE)
         values = {param.name: param.value for param in answer.params} if answer else {}
         return bool(gains.items() <= values.get("drive.speed_control", {}).items())
 

@@ -88,7 +88,10 @@ class Follow(NamedTuple):
         return max(self) <= _FELT
 
     def beats(self, other: Follow) -> bool:
-        """Return True if overshoot or error is smaller by what is felt, the error no larger, overshoot hardly."""
+        """Return True if this drive is better.
+
+        Overshoot or error is smaller by more than `_FELT`. Error is not larger, and overshoot not by more than that.
+        """
         overshoot, error = other.overshoot - self.overshoot, other.error - self.error
         return error >= 0.0 and overshoot >= -_FELT and max(overshoot, error) > _FELT
 

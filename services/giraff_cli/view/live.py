@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.limits import limits_of
+from giraff_cli.network.limits import ask_base, limits_of
 from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.signals import StopSignal
@@ -25,10 +25,9 @@ from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.messages import Sample
-from giraff_schemas.params import ParamAnswer, ParamDescribe
+from giraff_schemas.params import ParamAnswer
 from giraff_schemas.requests import OdomEchoes
-from giraff_schemas.services import BASE
-from giraff_schemas.topics import ODOM_ECHOES, PARAM_DESCRIBE, Topic
+from giraff_schemas.topics import ODOM_ECHOES, Topic
 from giraff_viewer.memory import require_memory
 from giraff_viewer.window import ViewerError
 
@@ -65,7 +64,7 @@ class LiveViewer:
         self._stopping = stopping
         self._stage: ViewerOutput | None = None
         self._pictures = PictureSubscriber.of(connection, "view") if options.camera else None
-        self._shape = QueryClient(connection.session, connection.robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe())
+        self._shape = ask_base(connection)
         self._earlier = QueryClient(connection.session, connection.robot, ODOM_ECHOES, OdomEchoes(by=user_at_host()))
         self._ahead_ns = 0
         """Wall clock minus the robot's, which what is heard is stamped with."""

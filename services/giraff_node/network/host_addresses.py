@@ -78,13 +78,18 @@ class AddressWatch:
         return bool(addresses) and is_other and now - self._since >= _SETTLED
 
 
+def flags_up(asked: socket.socket, name: str) -> int:
+    """Return the flags of an interface. 0: it is down, or the loopback. Raises OSError."""
+    flags: int = struct.unpack_from("H", fcntl.ioctl(asked, _GET_FLAGS, _REQUEST.pack(name.encode())), 16)[0]
+    return flags if flags & (_UP_AND_RUNNING | _LOOPBACK) == _UP_AND_RUNNING else 0
+
+
 def _address(asked: socket.socket, name: str) -> str:
     """Of an interface, or "" while it cannot be reached at any."""
-    request = _REQUEST.pack(name.encode())
     try:
-        (flags,) = struct.unpack_from("H", fcntl.ioctl(asked, _GET_FLAGS, request), 16)
-        if flags & _UP_AND_RUNNING != _UP_AND_RUNNING or flags & _LOOPBACK or _CONTAINERS.match(name):
+        if not flags_up(asked, name) or _CONTAINERS.match(name):
             return ""
+        request = _REQUEST.pack(name.encode())
         # A struct sockaddr_in: family and port, 2 bytes each, before the address.
         return socket.inet_ntoa(fcntl.ioctl(asked, _GET_ADDRESS, request)[20:24])
     except OSError:  # it is gone since it was listed, or has no address

@@ -54,7 +54,7 @@ def test_a_running_one_and_kept_logs_stay(temporary: Path) -> None:
 
 
 def test_the_sockets_of_a_killed_run_go_with_the_next(temporary: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is in use, may just be starting, is another robot's or lies behind a link stays."""
+    """A folder stays if it is in use, young, of another kind, or behind a link."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(temporary))
     monkeypatch.setattr(sockets, "SHARED", temporary / "nowhere")
     network = NetworkConfig(rendezvous="127.0.0.1:20000")

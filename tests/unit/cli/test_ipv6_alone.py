@@ -23,7 +23,7 @@ LISTED = """fd000000000000000000000000000002 02 40 00 80     eth0
 def test_an_interface_of_ipv6_alone_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, own: tuple[str, ...], up: str, alone: tuple[str, ...]
 ) -> None:
-    monkeypatch.setattr(interfaces, "_flags_up", lambda _, name: int(name == up))
+    monkeypatch.setattr(interfaces, "flags_up", lambda _, name: int(name == up))
     (tmp_path / "listed").write_text(LISTED)
     known = tuple(Interface(name=name, address="10.1.1.2/24", multicast=True) for name in own)
     assert ipv6_alone(known, tmp_path / "listed") == alone
