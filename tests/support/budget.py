@@ -1,15 +1,16 @@
 """A pytest plugin that holds each folder's tests to what tests/budget.toml lets them cost.
 
-Nothing is timed. Simulated seconds, robots, processes, windows, pictures and drawn examples are counted while the tests
-run. They are the same on every machine, busy or not. Plain computing is not counted.
+Simulated seconds, robots, processes, windows, pictures and drawn examples are counted while the tests run. They are the
+same on every machine, busy or not. Processor time, which plain computing takes too, is compared with a loop's.
 """
 
 from __future__ import annotations
 
+import os
 import subprocess
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, Final
@@ -23,8 +24,13 @@ from giraff_sim.camera.renderer import Renderer
 from giraff_sim.simulation import Simulation
 from tests.support.balancer import Balancer
 from tests.support.counting import count, counted
+from tests.support.processor import Pace, taken
 
 BUDGET: Final = Path(__file__).parents[1] / "budget.toml"
+PROCESSOR: Final = "processor s"
+"""The unit of tests.support.processor."""
+START: Final = "start"
+"""The row for the processor time of pytest's processes before, between and after their tests."""
 LISTED: Final = 5
 """Files that a report names."""
 REMEDY: Final = """\
@@ -32,7 +38,7 @@ Show it by a cheaper test: call the policy; play one seed; share one robot in a 
 the same thing. Or move its breadth to tests/campaign and keep one test here. CONTRIBUTING.md: Stay in the budget."""
 
 Costs = Mapping[str, float]
-"""Amounts by unit: simulated (s), robots, processes, forks, windows, pictures, examples."""
+"""Amounts by unit: simulated (s), robots, processes, forks, windows, pictures, examples, processor s."""
 
 
 class Budget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -45,6 +51,9 @@ class Budget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     capabilities: dict[str, dict[str, float]] = {}
     """Largest costs of later capabilities' tests. A test belongs to the longest key that its path begins with."""
 
+    processor: dict[str, float] = {}
+    """Largest processor time (s) of the tests whose path begins with the key."""
+
     def priced(self, costs: Costs) -> float:
         """Return what these costs come to, in processor seconds of a quiet machine."""
         return sum(self.prices[unit] * amount for unit, amount in costs.items())
@@ -54,26 +63,31 @@ def read_budget(path: Path = BUDGET) -> Budget:
     return msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), Budget)
 
 
-def by_row(spent: Mapping[str, Costs], budget: Budget) -> dict[str, dict[str, Counter[str]]]:
+def by_row(spent: Mapping[str, Costs], rows: Iterable[str]) -> dict[str, dict[str, Counter[str]]]:
     """Return the costs of each row's files. `spent`: costs by node id."""
-    rows = sorted(budget.folders | budget.capabilities, key=len)
-    found: dict[str, dict[str, Counter[str]]] = {row: {} for row in rows}
+    ordered = sorted(rows, key=len)
+    found: dict[str, dict[str, Counter[str]]] = {row: {} for row in ordered}
     for test, costs in spent.items():
-        if fitting := [row for row in rows if test.startswith(row)]:
+        if fitting := [row for row in ordered if test.startswith(row)]:
             found[fitting[-1]].setdefault(test.partition("::")[0], Counter()).update(costs)
     return found
 
 
 def told(spent: Mapping[str, Costs], budget: Budget, *, over: bool) -> list[str]:
     """Return a report: the cost of each row's tests, or if `over`, only the rows that are over their limits."""
+    timed = {row: {PROCESSOR: most} for row, most in budget.processor.items()}
+    tables = ((budget.folders | budget.capabilities, tuple(budget.prices)), (timed, (PROCESSOR,)))
+    return [line for rows, units in tables for line in _told(spent, rows, units, over=over)]
+
+
+def _told(spent: Mapping[str, Costs], rows: Mapping[str, Costs], units: Iterable[str], *, over: bool) -> list[str]:
     lines: list[str] = []
-    rows = budget.folders | budget.capabilities
-    for row, files in by_row(spent, budget).items():
-        for unit in budget.prices:
+    for row, files in by_row(spent, rows).items():
+        for unit in units:
             each = {file: costs[unit] for file, costs in files.items() if costs[unit]}
             total, most = sum(each.values()), rows[row].get(unit, 0)
-            if not over and (total or most):
-                lines.append(f"  {row:<20} {unit:<10} {total:8.6g} of {most:g}")
+            if not over and total:
+                lines.append(f"  {row:<40} {unit:<11} {total:8.4g} of {most:g}")
             elif over and total > most + 1e-6:
                 lines.append(f"{row}: {total:.6g} {unit}, {total - most:.6g} more than its {most:g}. Most is taken by")
                 dearest = sorted(each, key=lambda file: -each[file])[:LISTED]
@@ -97,6 +111,8 @@ class _Counts:
         self._budget = budget
         self._tells = tells
         self._spent: dict[str, Counter[str]] = {}
+        self._pace = Pace()
+        self._in_tests = 0.0
         self._lines: list[str] = []
         _count_calls(Simulation, "step", lambda step: count("simulated", step.world.step_us * 1e-6))
         _count_calls(Balancer, "step", lambda _: count("simulated", 0.001))
@@ -108,9 +124,12 @@ class _Counts:
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
-        before = Counter(counted)
+        self._pace.run()
+        before, began = Counter(counted), taken()
         done = yield
-        self._spent[item.nodeid] = counted - before
+        took = taken() - began
+        self._spent[item.nodeid] = counted - before + Counter({PROCESSOR: took / self._pace.slowness})
+        self._in_tests += took
         return done
 
     @pytest.hookimpl(optionalhook=True)
@@ -122,6 +141,8 @@ class _Counts:
     @pytest.hookimpl(wrapper=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> Generator[None, None, None]:
         output: dict[str, object] | None = getattr(session.config, "workeroutput", None)
+        else_took = (taken() - self._in_tests) / self._pace.slowness
+        self._spent[f"{START} {os.getpid()}"] = Counter({PROCESSOR: else_took})
         if output is not None:  # before xdist sends it
             output["giraff_spent"] = {test: dict(each) for test, each in self._spent.items()}
         yield
