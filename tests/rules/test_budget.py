@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Final
 
-from tests.rules.repository import ROOT
-from tests.support.budget import Budget, read_budget, told
+import pytest
+
+from tests.rules.repository import ROOT, sources
+from tests.support.budget import START, Budget, read_budget, told
 from tests.support.tools import finished
 
 FOLDERS_TAKE: Final = 530.0
@@ -16,6 +19,9 @@ RESERVE: Final = 60.0
 """The same, for what is yet to come: [capabilities]."""
 A_CAPABILITY_TAKES: Final = 8.0
 A_CAPABILITY_COUNTS: Final = {"simulated": 60, "robots": 1, "processes": 6, "windows": 0, "pictures": 600}
+PARTS: Final = {"product": ("firmware", "schemas", "scripts", "services"), "tests": ("tests",)}
+WRITTEN: Final = ("", ".S", ".c", ".css", ".h", ".html", ".js", ".mjs", ".mk", ".py", ".sh", ".toml")
+"""Suffixes of what somebody wrote and others read. The rest is data."""
 NOT_IN_MAKE_TEST: Final = ("campaign", "hosts", "mutants", "timing")
 
 BUDGET: Final = read_budget()
@@ -42,8 +48,22 @@ def test_each_folder_of_tests_has_a_row_and_each_row_tests() -> None:
         assert list(ROOT.glob(f"{row}*")), f"no test's path begins with {row}"
 
 
-def test_one_robot_too_many_fails_plainly(tmp_path: Path) -> None:
-    """Two tests of one folder start a robot each: once it may have two, once only one."""
+@pytest.mark.parametrize("part", PARTS)
+def test_the_lines_are_within_their_limit(part: str) -> None:
+    lines = sum(path.read_bytes().count(b"\n") for path in sources(*WRITTEN, under=PARTS[part]))
+    most = BUDGET.lines[part]
+    assert lines <= most, f"{lines} lines, {most} may be: write less, or raise the limit in the commit that needs it"
+
+
+def test_each_folder_and_row_of_the_processor_has_tests() -> None:
+    folders = {row for row in BUDGET.folders if row.endswith("/")} | {START}
+    assert folders <= set(BUDGET.processor)
+    for row in set(BUDGET.processor) - {START}:
+        assert list(ROOT.glob(f"{row}*")), f"no test's path begins with {row}"
+
+
+def test_one_robot_too_many_and_too_much_computing_fail_plainly(tmp_path: Path) -> None:
+    """Two tests of one folder start a robot each: once it may have two, once only one and next to no time."""
     (tmp_path / "conftest.py").write_text('pytest_plugins = ["tests.support.budget"]\n')
     (tmp_path / "test_robots.py").write_text(
         "import subprocess, sys\n"
@@ -53,12 +73,16 @@ def test_one_robot_too_many_fails_plainly(tmp_path: Path) -> None:
     budget = tmp_path / "budget.toml"
     command = [sys.executable, "-m", "pytest", "-q", f"--rootdir={tmp_path}", f"--budget={budget}", str(tmp_path)]
     ended = {}
-    for robots in (2, 1):
-        budget.write_text(f'[prices]\nrobots = 5\nprocesses = 1\n[folders."test_"]\nrobots = {robots}\n')
+    for robots, processor in ((2, 60), (1, 0.001)):
+        budget.write_text(
+            f'[prices]\nrobots = 5\nprocesses = 1\n[folders."test_"]\nrobots = {robots}\n'
+            f'[processor]\n"test_" = {processor}\n'
+        )
         ended[robots] = finished(command, cwd=ROOT)
     assert [done.returncode for done in ended.values()] == [0, 1]
     for words in ("test_: 2 robots, 1 more than its 1. Most is taken by", "2  test_robots.py", "tests/campaign"):
         assert words in ended[1].stdout
+    assert re.search(r"test_: 0.\d+ processor s, 0.\d+ more than its 0.001", ended[1].stdout)
 
 
 def test_the_longest_path_that_fits_has_the_test() -> None:

@@ -53,6 +53,8 @@ class Budget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     processor: dict[str, float] = {}
     """Largest processor time (s) of the tests whose path begins with the key."""
+    lines: dict[str, int] = {}
+    """Most lines that a part of the repository has."""
 
     def priced(self, costs: Costs) -> float:
         """Return what these costs come to, in processor seconds of a quiet machine."""
