@@ -62,7 +62,9 @@ def press_until(shown: Screen, key: bytes, answer: str) -> None:
     while answer not in shown.read():
         assert time.monotonic() < deadline, f"{key!r} is not answered: {shown.text[-2000:]}"
         shown.type(key)
-        time.sleep(1.0)
+        again = time.monotonic() + 1.0
+        while answer not in shown.read() and time.monotonic() < again:
+            time.sleep(REPEAT)
 
 
 def drive_by(robot: ProcessRobot, shown: Screen, key: bytes) -> None:

@@ -128,7 +128,7 @@ def drive(newcomer: Newcomer, shown: Screen, metres: float) -> None:
 
     def has_driven() -> bool:
         before = newcomer.paths[-1]
-        hold(shown, _UP, 3.0)
+        hold(shown, _UP, 2.0)
         if newcomer.paths[-1] == before:
             take(shown, _UP)
         return newcomer.paths[-1] - begins >= metres
@@ -143,7 +143,7 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
     with newcomer.opens(printed["drive"]) as shown:
         shown.wait_for("not yours: demo drives", PATIENCE)
         take(shown, _UP)
-        drive(newcomer, shown, 1.0)
+        drive(newcomer, shown, 0.5)
         wait(lambda: newcomer.paths[-1] == newcomer.paths[-2], PATIENCE, what="it drives on with no key held")
         stands, seconds = newcomer.paths[-1], len(newcomer.paths)
         wait(lambda: len(newcomer.paths) > seconds, PATIENCE, what="another second")

@@ -71,7 +71,7 @@ def test_who_starts_it_drives_in_the_same_terminal(command: Command) -> None:
             told = shown.read()
             if "not armed" in told or "nobody's" in told:  # a busy machine stops it, and may disarm it
                 take(shown)
-            elif "the robot obeys" in told and (seconds := seconds + 1) == 4:
+            elif "the robot obeys" in told and (seconds := seconds + 1) == 2:
                 break
         shown.type(b"\x03")  # for both
         assert shown.ended(PATIENCE) == 0, errors.read_text()
@@ -106,9 +106,23 @@ def test_a_service_that_dies_is_named_and_the_others_go_on_until_their_world_end
     assert not command.pids()
 
 
-def test_a_run_of_the_same_name_is_refused_and_the_first_ends_when_its_reader_goes(command: Command) -> None:
+def told_truth(command: Command) -> None:
+    """Require that a command beside the run is told where the robot truly is, again and again."""
+    asked = [str(GIRAFF), "topic", "echo", TRUE_POSE.key, "--count", "3", "--json"]
+    told = subprocess.run(
+        asked, env=command.environment, check=True, capture_output=True, text=True, timeout=PATIENCE
+    ).stdout
+    heard = [msgspec.json.decode(line)["sample"] for line in told.splitlines()]
+    assert len({sample["instance"] for sample in heard}) == 1
+    moments = [sample["tick"]["robot_ns"] for sample in heard]
+    assert len(moments) == 3
+    assert moments == sorted(set(moments))
+
+
+def test_a_run_tells_the_truth_refuses_another_of_its_name_and_ends_when_its_reader_goes(command: Command) -> None:
     with command.start("--boards", "host", local=False) as process:
         line_of(process, " | ")
+        told_truth(command)
         code, out, err = command.run(local=False)
         assert (code, out) == (2, "")
         assert f"a run of {command.robot} is going on on this host; end it, or give this one another name" in err
@@ -118,23 +132,6 @@ def test_a_run_of_the_same_name_is_refused_and_the_first_ends_when_its_reader_go
         assert process.wait(PATIENCE) == 0
         assert process.stderr is not None
         assert process.stderr.read() == ""
-    assert command.leaves_nothing()
-
-
-def test_whoever_looks_on_is_told_where_it_truly_is(command: Command) -> None:
-    with command.start("--boards", "host", local=False) as process:
-        line_of(process, "base driving")
-        asked = [str(GIRAFF), "topic", "echo", TRUE_POSE.key, "--count", "3", "--json"]
-        told = subprocess.run(
-            asked, env=command.environment, check=True, capture_output=True, text=True, timeout=PATIENCE
-        ).stdout
-        process.send_signal(signal.SIGTERM)
-        assert process.wait(PATIENCE) == 0
-    heard = [msgspec.json.decode(line)["sample"] for line in told.splitlines()]
-    assert len({sample["instance"] for sample in heard}) == 1
-    moments = [sample["tick"]["robot_ns"] for sample in heard]
-    assert len(moments) == 3
-    assert moments == sorted(set(moments))
     assert command.leaves_nothing()
 
 

@@ -24,8 +24,9 @@ from tests.support.process_robot import PATIENCE
 from tests.support.runs import SMALL_ROOM, command_in, line_of
 from tests.support.waiting import wait
 
-FROZEN_NS = 5_000_000_000
-WATCHED_NS = 3_000_000_000
+FROZEN_NS = 2_000_000_000
+WATCHED_NS = 1_500_000_000
+"""Four times as long as a robot that obeys needs to set off."""
 SPEED = 0.2
 RIM = 0.3
 """m. Radius of the robot."""
@@ -102,7 +103,7 @@ class Truth:
 def goals(truth: Truth, rviz: Ros) -> None:
     """Let it give a goal that it held back while it was frozen, which moves nothing, and one of now."""
     rviz.tell("silent")
-    truth.way(2_000_000_000)
+    truth.way(FROZEN_NS)
     os.kill(rviz.process.pid, signal.SIGSTOP)
     rviz.tell(f"goal {truth.now().x - 1.0}")
     truth.way(WATCHED_NS)
@@ -149,7 +150,7 @@ def test_ros_sees_it_drives_it_and_stops_it_and_a_process_that_wakes_moves_nothi
 
         def drives() -> bool:
             """Take the robot by a message that moves, rest, and drive, as a person does."""
-            for speed, messages in ((SPEED, 5), (0.0, 40), (SPEED, 30)):
+            for speed, messages in ((SPEED, 5), (0.0, 20), (SPEED, 15)):
                 stream.tell(str(speed))
                 stream.sends(speed, messages)
             return state("armed") and truth.way(400_000_000) > 0.02
@@ -160,7 +161,7 @@ def test_ros_sees_it_drives_it_and_stops_it_and_a_process_that_wakes_moves_nothi
         assert not state("driving")
         stood = truth.now()
         os.kill(stream.process.pid, signal.SIGCONT)
-        stream.sends(SPEED, 40)
+        stream.sends(SPEED, 20)
         assert truth.way(WATCHED_NS) < STILL
         woke = truth.now()
         assert math.dist((woke.x, woke.y), (stood.x, stood.y)) < STILL
