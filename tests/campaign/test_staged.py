@@ -7,7 +7,7 @@ import pytest
 from giraff_sim.dst.many import run_many
 from tests.dst.replays import CLOCKS, hold_in_tcp, hold_in_the_serial_line, say_a_stream_again
 from tests.loop.test_kills import BOUNDS, zero_after_kill
-from tests.loop.test_mishaps import hold_still
+from tests.loop.test_mishaps import MISHAPS, hold_still, require_stop
 
 LATE = (1.0, 2.0, 5.0, 8.0, 15.0, 30.0, 60.0)
 """s."""
@@ -34,6 +34,13 @@ def test_queued_serial_frames_move_nothing(held: float) -> None:
 def test_pwm_is_zero_within_the_bound_whenever_a_service_ends(service: str, delay_ms: int) -> None:
     """The ranger's cycle takes 180 ms."""
     assert zero_after_kill(service, delay_ms) <= BOUNDS[service]
+
+
+@pytest.mark.parametrize("delay_ms", range(0, 20, 4))
+@pytest.mark.parametrize("mishap", MISHAPS)
+def test_a_mishap_stops_the_robot_whenever_it_happens(mishap: str, delay_ms: int) -> None:
+    """The tilt board's cycle takes 20 ms."""
+    require_stop(mishap, delay_ms)
 
 
 def test_a_hand_that_holds_still_for_a_minute_drives_for_a_minute() -> None:

@@ -186,13 +186,13 @@ class _Membranes:
             sonar.fault = self._sound[sonar] if hears else SonarFault.DEAF
 
 
-def run(seed: int, *, deaf: bool = True) -> Outcome:
+def run(seed: int, *, deaf: bool = True, until: float = _LONGEST) -> Outcome:
     """Drive the drive of this seed; `deaf` False: the same with sensors that stay sound."""
-    return run_drive(*drawn_drive(seed), deaf=deaf)
+    return run_drive(*drawn_drive(seed), deaf=deaf, until=until)
 
 
-def run_drive(drive: Drive, room: Room, *, deaf: bool = True) -> Outcome:
-    """Drive it there."""
+def run_drive(drive: Drive, room: Room, *, deaf: bool = True, until: float = _LONGEST) -> Outcome:
+    """Drive it there. `until`: simulated s at which it ends at the latest."""
     seed = drive.seed
     with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed)) as loop:
         loop.kill("odometry")  # it changes no motion, and costs time
@@ -216,7 +216,7 @@ def run_drive(drive: Drive, room: Room, *, deaf: bool = True) -> Outcome:
                 touches.note()
                 if deaf:
                     membranes.next_ping()
-            if len(touches.noted) >= _TOUCHES or loop.simulation.now_us >= _LONGEST * 1e6:
+            if len(touches.noted) >= _TOUCHES or loop.simulation.now_us >= until * 1e6:
                 break
         return Outcome(
             drive=drive,

@@ -105,15 +105,15 @@ class Passing(msgspec.Struct, frozen=True):
     contacts: int
 
 
-def hall(seed: int) -> Hall:
-    """From one end of an empty hall of 10 m to the other."""
-    with _hall(seed, *HALL) as loop:
+def hall(seed: int, length: float = HALL[0]) -> Hall:
+    """From one end of an empty hall to the other."""
+    with _hall(seed, length, HALL[1]) as loop:
         began_us, still_us = loop.simulation.now_us, 0
         plant = loop.simulation.world.plant
         speed, seconds = _AT_REST
         while still_us < seconds * 1e6:
             loop.step()
-            at_the_end = plant.pose.x > HALL[0] / 2.0 and plant.clearance < _STOPPED_BY
+            at_the_end = plant.pose.x > length / 2.0 and plant.clearance < _STOPPED_BY
             still = at_the_end and max(abs(plant.left.speed), abs(plant.right.speed)) < speed
             still_us = still_us + loop.simulation.world.step_us if still else 0
             _be_patient(loop, began_us)
