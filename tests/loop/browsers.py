@@ -32,7 +32,7 @@ from tests.support.robots import ROBOT
 
 FRAME: Final = 1.0 / 60.0
 """s between two animation frames, and between two readings of a phone."""
-_PROVES: Final = 1.0
+_PROVES: Final = 0.5
 """s after which each sensor was heard, and base and guard have told of themselves."""
 _IDLE: Final = 0.1
 """s at least between two wishes that hold nothing of a page that does not drive."""
@@ -254,10 +254,10 @@ class Room(SeenRobot):
         """From the touch until it moves."""
         self.run(0.3)
         browser.touch()
-        self.run(1.0)
+        self.run(0.6)
         assert (self.driver, self.armed) == ("web", True), browser.state and browser.state.why
         self.go(browser)
-        self.run(0.8)
+        self.run(0.4)
         assert self.driven_ms(self.now - 0.1) > 90, browser.state and browser.state.why
 
     def go(self, browser: Browser) -> None:

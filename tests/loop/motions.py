@@ -62,8 +62,9 @@ _QUERIES: Final[dict[type[MotionRequest], Query[Any, MotionAnswer]]] = {
     MotionArc: MOTION_ARC,
     MotionGo: MOTION_GO,
 }
-_PROVES: Final = 1.0
-"""s after which each sensor was heard, and base and guard have told of themselves."""
+_PROVES: Final = 0.7
+"""s after which each sensor was heard, and base and guard have told of themselves. Half a second later, when a motion
+that is asked for then has armed the robot, the guard trusts all of them."""
 _LOOKS: Final = 0.02
 """s"""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -10,7 +11,7 @@ import msgspec
 
 from giraff_cli.motion.pattern import read_pattern
 from giraff_core.kinematics.calibration import Calibration
-from giraff_schemas.motion import MotionGo, MotionState
+from giraff_schemas.motion import MotionGo, MotionState, Step
 from giraff_sim.settings import Settings
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
 from tests.loop.loops import SETTINGS
@@ -33,12 +34,14 @@ class End(NamedTuple):
     """Of what the motion has missed without knowing it, the most of x, y and yaw, in standard deviations."""
 
 
-def end_of_pattern(settings: Settings, truth: Truth | None = None, seed: int = 1) -> End:
-    """Of the pattern that ships."""
+def end_of_pattern(
+    settings: Settings, truth: Truth | None = None, seed: int = 1, steps: Sequence[Step] | None = None
+) -> End:
+    """Of the pattern that ships, unless other `steps` are given."""
     with stage(settings=settings, truth=truth, seed=seed) as made:
         plant = made.loop.simulation.world.plant
         assert (plant.pose.x, plant.pose.y, plant.pose.yaw) == (0.0, 0.0, 0.0)
-        made.begin(MotionGo, steps=tuple(read_pattern(_PATTERN).steps))
+        made.begin(MotionGo, steps=tuple(steps or read_pattern(_PATTERN).steps))
         made.until_ended(_LONGEST)
         state, pose = made.state, plant.pose
     assert state.outcome == "arrived", state

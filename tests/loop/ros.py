@@ -192,7 +192,7 @@ class RosStage(SeenRobot):
     def drive(self, program: Program) -> None:
         """Arm the robot as teleop_twist_keyboard does, and drive ahead for 0.6 s."""
         self.press(program, 0.3)
-        self.run(1.0)
+        self.run(0.6)
         assert (self.driver, self.armed) == ("ros2", True), self.why
         program.asks = (0.3, 0.0)
         self.run(0.6)

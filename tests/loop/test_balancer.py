@@ -9,7 +9,7 @@ from tests.support.balancer_file import BALANCER, SIM
 
 
 def test_it_drives_round_the_furnished_room() -> None:
-    drive = tour(1, 12.0)
+    drive = tour(1, 8.0)
     assert (drive.contacts, drive.falls) == (0, 0)
     assert drive.path > 1.0
     assert drive.fastest < 0.45

@@ -69,7 +69,7 @@ def test_a_start_is_ramped_and_a_stop_is_immediate() -> None:
 def test_nothing_moves_before_a_neutral_hand() -> None:
     with closed_loop(proving_room()) as loop:
         hold(loop, x=FULL_TILT)
-        loop.run(5.0)
+        loop.run(3.0)
         assert loop.simulation.record.verdict(0, loop.simulation.now_us).driven_ms == 0
         assert "hold the hand level" in loop.newest["base"].reason
         arm(loop)

@@ -15,19 +15,19 @@ BOUNDS = {"base": 0.35, "guard": 0.35, "joystick": 0.45, "ranger": 0.45}
 
 LATEST_MS = 120
 """Moment in the cycle of the ranger, which takes 180 ms, at which its end stops the robot latest."""
-DRIVES = 2.0
+DRIVES = 0.92
 """s for which the robot has driven when the service ends."""
 
 
 def zero_after_kill(service: str, delay_ms: int) -> float:
-    """Return the s from the end of the service, `delay_ms` later than after 2 s of driving, to PWM zero."""
+    """Return the s from the end of the service, `delay_ms` later than after `DRIVES`, to PWM zero."""
     with closed_loop(proving_room()) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT)
         loop.run(DRIVES + delay_ms * 1e-3)
         loop.kill(service)
         killed_us = loop.simulation.now_us
-        loop.run(2.0)
+        loop.run(1.0)
         last = loop.simulation.record.verdict(killed_us, loop.simulation.now_us).last_driven_us
         assert last is not None, "the robot did not drive when the service ended"
         return (last - killed_us) * 1e-6
@@ -45,10 +45,10 @@ def test_a_restarted_service_moves_nothing_before_a_neutral_hand(service: str) -
         hold(loop, x=FULL_TILT)
         loop.run(1.0)
         loop.kill(service)
-        loop.run(2.5)
+        loop.run(1.5)
         loop.start(service)
         restarted_us = loop.simulation.now_us
-        loop.run(3.0)
+        loop.run(2.0)
         assert loop.simulation.record.verdict(restarted_us, loop.simulation.now_us).driven_ms == 0
         assert loop.newest["base"].reason
         arm(loop)

@@ -38,13 +38,13 @@ def test_each_of_them_is_cancelled_at_once(name: str) -> None:
     kind, fields = PRIMITIVES[name]
     with stage() as it:
         it.begin(kind, **fields)
-        it.run(1.0)
+        it.run(0.4)
         assert it.driven_ms(it.now - 0.1) > 90
         cancelled = it.now
         it.cancel()
         it.run(RESTS)
         assert speed(it) < 0.01
-        it.run(1.0)
+        it.run(0.5)
         assert it.last_driven(cancelled) <= STOPS
         assert (it.state.stage, it.state.outcome, it.state.reason) == ("ended", "cancelled", "cancelled by a script")
 
@@ -56,7 +56,8 @@ def test_it_stops_before_an_obstacle_and_says_which_sensor_sees_it(beside: float
     with stage(room) as it:
         began = it.now
         it.begin(MotionMove, **AHEAD)
-        it.run(5.0)
+        it.until_ended(5.0)
+        it.run(1.1)
         assert (it.state.stage, it.state.outcome, it.state.sensor) == ("ended", "blocked", sensor), it.state
         assert sensor in it.state.reason
         assert it.driven_ms(it.now - 1.0) == 0
@@ -68,9 +69,9 @@ def test_it_stops_before_an_obstacle_and_says_which_sensor_sees_it(beside: float
 def test_a_persons_key_takes_the_robot_and_the_motion_asks_no_more() -> None:
     with stage() as it:
         it.start_keyboard()
-        it.run(0.5)
+        it.run(0.2)
         it.begin(MotionMove, **AHEAD)
-        it.run(0.8)
+        it.run(0.4)
         assert it.loop.newest[LEASE.key].operator == "motion"
         taken = it.now
         it.type(b"w", 0.2)
@@ -79,7 +80,7 @@ def test_a_persons_key_takes_the_robot_and_the_motion_asks_no_more() -> None:
         assert it.last_driven(taken) <= STOPS
         assert (it.state.stage, it.state.outcome) == ("ended", "lost_lease")
         it.loop.terminate("keyboard")
-        it.run(4.0)
+        it.run(2.5)
         assert it.loop.newest[LEASE.key].operator == ""
         assert it.driven_ms(taken + STOPS) == 0
 
@@ -87,7 +88,7 @@ def test_a_persons_key_takes_the_robot_and_the_motion_asks_no_more() -> None:
 def test_while_somebody_else_drives_it_is_refused_with_who_that_is() -> None:
     with stage() as it:
         it.start_keyboard()
-        it.run(0.5)
+        it.run(0.2)
         it.type(b"c", 0.2)
         it.run(0.5)
         counter = it.loop.newest[LEASE.key].counter
@@ -106,7 +107,7 @@ def test_an_emergency_stop_ends_it_and_a_reset_moves_nothing() -> None:
     with stage() as it:
         it.start_stopper()
         it.begin(MotionMove, **AHEAD)
-        it.run(0.8)
+        it.run(0.4)
         stopped = it.now
         it.engage()
         it.run(1.5)
@@ -124,7 +125,8 @@ def test_what_was_asked_once_moves_nothing_when_it_comes_again(anew: bool) -> No
     """Word for word, with all that the requester has said: after its end, and to another process."""
     with stage() as it:
         it.begin(MotionMove, distance=0.15)
-        it.run(3.0)
+        it.until_ended(3.0)
+        it.run(0.5)
         assert it.state.outcome == "arrived"
         it.loop.kill("requester")
         if anew:
@@ -133,7 +135,7 @@ def test_what_was_asked_once_moves_nothing_when_it_comes_again(anew: bool) -> No
             it.run(1.0)
         over = it.now
         it.replay(MOTION_MOVE.key, MOTION_HOLD.key)
-        it.run(3.0)
+        it.run(2.5)
         assert it.driven_ms(over) == 0
         assert it.loop.newest[LEASE.key].operator == ""
 
@@ -143,6 +145,6 @@ def test_a_script_that_only_asks_moves_nothing() -> None:
         it.ask(MotionMove, **AHEAD)
         it.loop.kill("requester")
         asked = it.now
-        it.run(3.0)
+        it.run(2.0)
         assert it.driven_ms(asked) == 0
         assert it.state.outcome in ("lost_requester", "disarmed")

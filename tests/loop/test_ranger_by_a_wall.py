@@ -28,7 +28,7 @@ from tests.sim.robots import proving_room
 from tests.unit.calibrate.walls import RANGES, TapePerson
 from tests.unit.motion.claims import CALIBRATED
 
-_PINGS: Final = 36
+_PINGS: Final = 24
 _WALL: Final = 4.0  # m, x of the room's wall
 _LONGEST: Final = 60.0  # s
 
@@ -101,7 +101,7 @@ def test_the_front_sensors_of_a_drawn_robot_are_found() -> None:
         ahead = {name: pose for name, pose in robot.sensors.items() if name != "rear"}
         person = TapePerson(stand, 4)
         told = measure(person, stand, msgspec.structs.replace(robot, sensors=ahead), _PINGS)
-        made.run(4.0)
+        made.run(2.5)
         assert not stand.hearing.motion_holds_lease, "the guard ends it after 2 s"
         print(f"{made.now:.1f} s of simulated time")
     for name, (filed, found, why) in told.items():

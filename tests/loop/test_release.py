@@ -22,7 +22,7 @@ from tests.support.robots import ROBOT
 def asks(it: Scene) -> None:
     """Stop it, and press r."""
     it.engage()
-    it.run(1.0)
+    it.run(0.4)
     it.type(b"r")
     it.run(1.0)
 
@@ -60,7 +60,7 @@ def test_a_stop_that_is_asked_for_between_r_and_y_is_not_released(late: float, i
         it.engage()
         it.run(late)
         it.type(b"y")
-        it.run(2.0)
+        it.run(1.0)
         assert (it.loop.newest["estop"].engaged, it.loop.newest["estop"].id) == (True, latch)
 
 

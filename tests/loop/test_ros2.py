@@ -99,7 +99,8 @@ def test_a_goal_of_rviz_is_driven_to() -> None:
     with ros_stage() as it:
         x, _, yaw = it.at
         it.desk.give_goal(0.4, 0.0, math.pi / 2)
-        it.run(6.0)
+        it.stage.until_ended(8.0)
+        it.run(0.3)
         assert it.at[0] - x == pytest.approx(0.4, abs=0.05)
         assert math.remainder(it.at[2] - yaw - math.pi / 2, math.tau) == pytest.approx(0.0, abs=0.1)
 

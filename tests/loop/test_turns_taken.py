@@ -18,7 +18,7 @@ from giraff_sim.settings import Services
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room
 
-SECONDS = 10
+SECONDS = 4
 FEW = 1.05
 """Times as often: for the queries, leases and states of an eventful moment."""
 _PINGS = 1000 / RANGE_SLOT_MS

@@ -22,6 +22,7 @@ def test_all_pages_are_told_who_drives() -> None:
     with room() as it:
         phone, watcher = it.browsers.add("phone"), it.browsers.add("laptop", may_drive=False)
         it.drive(phone)
+        it.run(0.2)
         state = shown(watcher)
         assert (state.operator, state.device, state.page, state.why) == ("web", "phone", phone.number, "")
         assert state.speed is not None
