@@ -12,7 +12,7 @@ from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.truth import TrueWheel, Truth
 from giraff_sim.world import sonar
 from giraff_sim.world.room import Room
-from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
+from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold, spare_time
 from tests.sim.robots import empty_room
 
 LARGEST_INCIDENCE: Final = math.radians(25.0)
@@ -54,6 +54,7 @@ def approach(number: int) -> float:
     backward = choose.random() < 0.3
     side = -1.0 if backward else 1.0
     with closed_loop(slanted(side * distance, incidence), seed=number) as loop:
+        spare_time(loop)
         plant = loop.simulation.world.plant
         arm(loop)
         hold(loop, x=side * tilt)
@@ -92,6 +93,7 @@ def curve_before_a_smooth_wall(monkeypatch: pytest.MonkeyPatch, distance: float,
     incidence = LARGEST_INCIDENCE - curvature * max(0.0, distance - loses_at)
     room = slanted(side * distance, side * incidence)
     with closed_loop(room, truth=WEAK) as loop:
+        spare_time(loop)
         plant = loop.simulation.world.plant
         arm(loop)
         hold(loop, x=side * FULL_TILT)

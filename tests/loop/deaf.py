@@ -20,7 +20,7 @@ from giraff_sim.world.hand import LEVEL
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
 from tests.loop.deaf_drives import Act, Drive, drawn_drive
-from tests.loop.loops import COARSE_STEP_US, arm, closed_loop, drawn
+from tests.loop.loops import COARSE_STEP_US, arm, closed_loop, drawn, spare_time
 from tests.loop.reaction import WILD_SHARE, tilted
 from tests.loop.rooms import Wrist
 from tests.loop.touches import Kind, Touch, Touches
@@ -195,7 +195,7 @@ def run_drive(drive: Drive, room: Room, *, deaf: bool = True, until: float = _LO
     """Drive it there. `until`: simulated s at which it ends at the latest."""
     seed = drive.seed
     with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed)) as loop:
-        loop.kill("odometry")  # it changes no motion, and costs time
+        spare_time(loop)
         arm(loop)
         loop.run(_BEGINS - loop.simulation.now_us * 1e-6)
         world, hand, operator = loop.simulation.world, _Hand(), Operator(loop, drive)

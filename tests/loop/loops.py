@@ -87,6 +87,11 @@ def closed_loop(
         yield ClosedLoop(running, settings, services, observer=observer)
 
 
+def spare_time(loop: ClosedLoop) -> None:
+    """End odometry, which moves nothing, and takes a seventh of the time."""
+    loop.kill("odometry")
+
+
 def hold(loop: ClosedLoop, x: float = 0.0, y: float = 0.0) -> None:
     """Hold the joystick so that it feels this along its axes, m/s²."""
     loop.simulation.world.hand = StillHand((x, y, GRAVITY))

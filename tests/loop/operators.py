@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Final, TypeVar
 
+import msgspec
+
 from giraff_cli.run.demonstration import Demonstration, Grip
 from giraff_core.inbox import Inbox
 from giraff_core.io import Service
@@ -21,7 +23,7 @@ from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.hand import StillHand
-from tests.loop.loops import SeenRobot, closed_loop
+from tests.loop.loops import SeenRobot, closed_loop, spare_time
 from tests.loop.people import REPEAT, Desk, Stopper
 from tests.sim.robots import proving_room
 from tests.support.robots import BASE, ROBOT
@@ -125,11 +127,13 @@ class Scene(SeenRobot):
 
 
 @contextmanager
-def scene(every: float = LOOK) -> Iterator[Scene]:
-    """`every`: s between two looks of the run."""
-    with closed_loop(proving_room(), SETTINGS) as loop:
+def scene(every: float = LOOK, idle_release: float = SETTINGS.guard.idle_release) -> Iterator[Scene]:
+    """`every`: s between two looks of the run. `idle_release`: of the guard."""
+    guard = msgspec.structs.replace(SETTINGS.guard, idle_release=idle_release)
+    with closed_loop(proving_room(), msgspec.structs.replace(SETTINGS, guard=guard)) as loop:
+        spare_time(loop)
         made = Scene(loop, every)
         made.until_it_drives(6.0)
-        made.run(1.0)
+        made.run(0.4)
         assert (made.driver, made.grip.drives) == (DEMONSTRATION, True)
         yield made

@@ -17,7 +17,7 @@ from giraff_sim.truth import Truth, draw_truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Pose
 from giraff_sim.world.sonar import SonarFault
-from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop
+from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop, spare_time
 from tests.sim.robots import proving_room
 from tests.support.robots import ROBOT
 
@@ -123,6 +123,7 @@ def circling(seed: int, wild_share: float) -> Iterator[tuple[Watcher, random.Ran
     choose = random.Random(f"{seed}/reaction")
     room = proving_room(Pose(0.0, 0.0, choose.uniform(-math.pi, math.pi)), _HALF_ROOM)
     with closed_loop(room, sim=SimConfig(), seed=seed, truth=on_its_circle(seed)) as loop:
+        spare_time(loop)
         arm(loop)
         for sonar in loop.simulation.world.sonars.values():
             sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, wild_share

@@ -17,7 +17,7 @@ from giraff_sim.world.bno055 import Vector
 from giraff_sim.world.hand import LEVEL
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
-from tests.loop.loops import SETTINGS, arm, closed_loop, drawn
+from tests.loop.loops import SETTINGS, arm, closed_loop, drawn, spare_time
 from tests.loop.reaction import tilted
 from tests.support.robots import ROBOT
 
@@ -207,6 +207,7 @@ def cross(seed: int) -> Crossing | None:
     if not has_way(room):
         return None
     with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed)) as loop:
+        spare_time(loop)
         arm(loop)
         world = loop.simulation.world
         for sonar in world.sonars.values():

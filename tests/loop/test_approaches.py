@@ -10,7 +10,7 @@ import pytest
 from tests.loop.approaches import OF_USE, approach, curve_before_a_smooth_wall
 
 APPROACHES = {
-    2: "backward, slowly, from 2.9 m: rests nearest of all",
+    15: "backward, the shortest way, slanted the most",
     31: "slanted the most",
     66: "rests farthest off",
 }

@@ -12,14 +12,14 @@ from giraff_sim.world.world import STEP_US
 from tests.loop.motions import stage
 from tests.support.balancer_file import BALANCER, SIM
 
-END: Final = Pose(0.6, -0.3, math.pi / 2.0)
+END: Final = Pose(0.4, -0.2, math.pi / 2.0)
 
 
 def test_it_arrives_by_odometry_and_in_truth() -> None:
     truth = draw_truth("calibrated", SIM.truth, 1)
     with stage(settings=BALANCER, truth=truth, step_us=STEP_US) as it:
         plant = it.loop.simulation.world.plant
-        it.ask(MotionGo, steps=(Move(distance=0.6), Turn(angle=math.pi / 2.0), Move(distance=-0.3)))
+        it.ask(MotionGo, steps=(Move(distance=0.4), Turn(angle=math.pi / 2.0), Move(distance=-0.2)))
         it.until_ended(20.0)
         state = it.state
         it.run(0.5)  # what it does once its motion has ended

@@ -11,7 +11,7 @@ from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.hand import Dropped, LaidDown, Shaken, StillHand
-from tests.loop.loops import FULL_TILT, arm, closed_loop, drawn, hold
+from tests.loop.loops import FULL_TILT, arm, closed_loop, drawn, hold, spare_time
 from tests.sim.robots import room_with_wall
 
 NOISY = SimConfig()
@@ -55,6 +55,7 @@ LATEST_MS = {"dropped": 16, "shaken": 16, "frozen": 4, "dead": 0, "laid down": 1
 
 
 def driving(loop: ClosedLoop, delay_ms: int) -> None:
+    spare_time(loop)
     arm(loop)
     hold(loop, x=FULL_TILT)
     loop.run(1.5 + delay_ms * 1e-3)
@@ -102,12 +103,13 @@ def test_a_mishap_stops_the_robot_within_its_bound(mishap: str) -> None:
 
 
 def test_a_hand_that_holds_still_drives_on() -> None:
-    hold_still(8.0)
+    hold_still(6.0)
 
 
 def hold_still(seconds: float) -> None:
     """Turn in place for so long, so that nothing but the hand can end it."""
     with closed_loop(room_with_wall(4.0), sim=NOISY, truth=drawn(1)) as loop:
+        spare_time(loop)
         arm(loop)
         hold(loop, y=FULL_TILT)
         loop.run(1.0)

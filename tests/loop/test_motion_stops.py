@@ -22,8 +22,10 @@ OPERATORS: Final = 0.45
 UNDER_WAY: Final = 0.4
 """s for which it has moved when the fault comes."""
 LASTS: Final = 1.3
-AFTER: Final = 1.2
+AFTER: Final = 0.6
 """s after the end of the fault in which nothing may be driven."""
+ANEW: Final = 1.2
+"""s after which base or guard, which has begun anew, lets anybody drive."""
 
 
 class Row(NamedTuple):
@@ -115,7 +117,7 @@ def test_a_fault_stops_a_motion_within_its_bound(name: str) -> None:
         row.begin(it)
         it.run(LASTS)
         row.mend(it)
-        it.run(AFTER)
+        it.run(ANEW if name in {"base killed", "guard killed"} else AFTER)
         assert it.last_driven(fault) <= row.bound
         assert it.last_driven(fault + row.bound) == 0.0
         if row.outcome:

@@ -2,13 +2,14 @@
 
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
-from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.loop.loops import FULL_TILT, arm, closed_loop, hold, spare_time
 
 
 def test_a_deaf_robot_beside_another_one_touches_slowly() -> None:
     room = Room("a wall", Pose(0.0, 0.0, 0.0))
     room.add_wall("wall", [(3.0, -6.0), (3.0, 6.0)])
     with closed_loop(room) as loop:
+        spare_time(loop)
         arm(loop)
         world, began = loop.simulation.world, loop.simulation.now_us
         for sonar in (world.sonars[0], world.sonars[1]):

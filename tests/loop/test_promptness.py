@@ -128,8 +128,8 @@ def test_without_a_hand_the_robot_side_keeps_its_pace() -> None:
 
 def test_a_press_is_told_in_the_turn_that_it_makes_due() -> None:
     with scene() as it:
-        for phase in range(5):
-            it.run(0.7 + 0.004 * phase)
+        for phase in range(3):
+            it.run(0.7 + 0.008 * phase)
             assert it.loop.newest["cmd_vel/keyboard"].neutral
             it.type(b"w")
             it.loop.step()

@@ -19,7 +19,7 @@ def test_wild_readings_cost_brief_dips_and_nothing_else() -> None:
 
 
 def test_without_wild_readings_nothing_stops_a_free_robot() -> None:
-    figures = drive(0, wild_share=0.0, seconds=8.0)
+    figures = drive(0, wild_share=0.0, seconds=5.0)
     assert (figures.confirmed, figures.brief) == (0, 0)
 
 

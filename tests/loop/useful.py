@@ -25,7 +25,7 @@ from giraff_sim.truth import draw_truth
 from giraff_sim.world.bno055 import GRAVITY, Vector
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.room import Pose, Room, read_room
-from tests.loop.loops import arm, closed_loop
+from tests.loop.loops import arm, closed_loop, spare_time
 from tests.loop.reaction import quantile, tilted
 from tests.loop.rooms import crossings
 from tests.support.robots import ROBOT
@@ -211,6 +211,7 @@ def figures() -> dict[str, float]:
 def _calibrated(room: Room, seed: int) -> Iterator[ClosedLoop]:
     truth = draw_truth("calibrated", SimConfig().truth, seed)
     with closed_loop(room, sim=SimConfig(), seed=seed, truth=truth) as loop:
+        spare_time(loop)
         yield loop
 
 
