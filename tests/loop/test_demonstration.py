@@ -105,14 +105,6 @@ def test_an_emergency_stop_and_its_reset_move_nothing_for_some_time() -> None:
         assert it.driver == DEMONSTRATION
 
 
-def test_a_keyboard_that_merely_runs_stops_nothing() -> None:
-    with scene() as it:
-        since = it.now
-        it.run(2.5)
-        assert it.grip == DRIVES
-        assert it.driven_ms(since) > 1000
-
-
 @pytest.mark.parametrize("operator", ["gamepad", "joystick"])
 def test_a_hand_with_a_name_that_no_table_ranks_is_told_so_by_the_guard(operator: str) -> None:
     named = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="joystick", operator=operator))

@@ -62,25 +62,23 @@ def driving(loop: ClosedLoop, delay_ms: int) -> None:
     assert loop.newest["wheels"].left_velocity == pytest.approx(0.6, rel=0.02)
 
 
-def zero_after(loop: ClosedLoop, mishap: str, delay_ms: int) -> float:
-    """Return the s from a mishap to PWM zero. `delay_ms`: moment in the board's cycle of 20 ms."""
-    happens, bound = MISHAPS[mishap]
-    driving(loop, delay_ms)
-    happens(loop)
-    began_us = loop.simulation.now_us
-    loop.run(bound + 1.0)
-    last = loop.simulation.record.verdict(began_us, loop.simulation.now_us).last_driven_us
-    assert last is not None
-    assert not loop.newest["base"].armed
-    return (last - began_us) * 1e-6
-
-
 def require_stop(mishap: str, delay_ms: int) -> None:
-    """Fail where a mishap stops the robot too late, or what comes after it moves the robot too soon."""
+    """Fail where a mishap stops the robot too late, or what comes after it moves the robot too soon.
+
+    `delay_ms`: moment in the board's cycle of 20 ms.
+    """
+    happens, bound = MISHAPS[mishap]
     with closed_loop(room_with_wall(4.0), sim=NOISY, seed=delay_ms, truth=drawn(delay_ms)) as loop:
-        stops = zero_after(loop, mishap, delay_ms)
+        driving(loop, delay_ms)
+        happens(loop)
+        began_us = loop.simulation.now_us
+        loop.run(bound + 1.0)
+        last = loop.simulation.record.verdict(began_us, loop.simulation.now_us).last_driven_us
+        assert last is not None
+        assert not loop.newest["base"].armed
+        stops = (last - began_us) * 1e-6
         print(f"{mishap}: PWM zero after {stops:.3f} s")
-        assert stops <= MISHAPS[mishap][1]
+        assert stops <= bound
         assert mishap == "laid down" or stops <= 0.45
         if mishap in {"frozen", "dead"}:
             return
