@@ -76,7 +76,7 @@ SIMULATED: Final = {
     "joystick laid down": f"{_MISHAPS}[laid down]",
     "both encoders on the edge of a count at rest": _FLICKER,
     "front bumper's wire cut": "tests/loop/test_bumper.py::test_a_cut_wire_stops_its_way_and_no_other",
-    "sonar 0 deaf": f"{_DEAF}[17]",
+    "sonar 0 deaf": f"{_DEAF}[132]",
     "sonar 2 deaf": f"{_DEAF}[338]",
     "sonar 0 and 1 deaf": f"{_DEAF}[17]",
     "sonar 0 and 1 deaf, beside another robot": (
@@ -84,7 +84,6 @@ SIMULATED: Final = {
     ),
     "sonar 0 and 1 deaf, 1.6 m before a wall": f"{_DEAF}[17]",
     "sonar 0 and 1 deaf, backed up and turned to and fro": f"{_DEAF}[43]",
-    "sonar 0 and 1 deaf, parked for 21 s": f"{_DEAF}[17]",
 }
 """Node ids, by the names of the faults, of what they do for good: no row in which the robot goes on by itself."""
 
