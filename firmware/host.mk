@@ -4,13 +4,15 @@ include sources.mk
 SANITIZE ?=
 HOST_EXTRA ?=
 HOST_LINK ?=
+HOST_OBJECTS ?= $(BUILD)
 
-OUT := $(BUILD)/host/$(BOARD)
+OUT := $(abspath $(HOST_OBJECTS))/host/$(BOARD)
 LIBRARY := $(BUILD)/host/$(BOARD).so
 base_PARTS := shafts
 balancer_PARTS := shafts
 MACHINE := machine processor $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
-OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/machine/%.o,$(MACHINE) $(notdir $(HOST_EXTRA:.c=)))
+EXTRA := $(BUILD)/host/$(BOARD)/extra
+OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(MACHINE:%=$(OUT)/machine/%.o) $(patsubst %.c,$(EXTRA)/%.o,$(notdir $(HOST_EXTRA)))
 
 FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost -DBOARD='"$(BOARD)"'
 ifneq ($(SANITIZE),)
@@ -33,7 +35,7 @@ $(OUT)/program/%.o: %.c $(MAKEFILE_LIST)
 	$(COMPILE)
 $(OUT)/machine/%.o: host/%.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/machine/%.o: %.c $(MAKEFILE_LIST)
+$(EXTRA)/%.o: %.c $(MAKEFILE_LIST)
 	$(COMPILE)
 
 .PHONY: check

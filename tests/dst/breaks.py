@@ -26,7 +26,7 @@ from giraff_schemas.messages import Range, RobotTime
 from giraff_schemas.wire import Frame, RangeFrame, SpeedFrame
 from giraff_sim.board import BUILD
 from giraff_sim.settings import Services
-from tests.firmware.builds import with_fault
+from tests.firmware.builds import robot_with_fault
 
 _LATE: Final = 0.4  # s
 
@@ -205,8 +205,8 @@ _MOTORS: Final = ("hal_motor_pwm", "hal_motor_direction", "hal_motor_off")
 
 BREAKS: Final = (
     Break("joystick late", 2, "c", Services(joystick=partial(Joystick, policy=LateJoystick))),
-    Break("board triple", 0, "g", build=lambda: with_fault("triple_pwm", "hal_motor_pwm")),
-    Break("board swapped", 0, "g", build=lambda: with_fault("swapped_motors", *_MOTORS)),
+    Break("board triple", 0, "g", build=lambda: robot_with_fault("triple_pwm", "hal_motor_pwm")),
+    Break("board swapped", 0, "g", build=lambda: robot_with_fault("swapped_motors", *_MOTORS)),
     Break("joystick inverted", 0, "c", Services(joystick=partial(Joystick, policy=InvertedJoystick))),
     Break("ranges doubled", 34, "e", Services(ranger=partial(Ranger, policy=LongRanger))),
     Break("guard optimistic", 5, "e", Services(guard=partial(Guard, policy=OptimisticGuard))),
@@ -219,5 +219,5 @@ BREAKS: Final = (
     Break("base mirrored", 0, "c", Services(base=partial(Base, policy=MirroredBase))),
     Break("base lazy", 0, "b", Services(base=partial(Base, policy=LazyBase))),
     Break("base forgetful", 1, "d", Services(base=forgetful_base)),
-    Break("board lingering", 0, "g", build=lambda: with_fault("lingering_motors", "hal_motor_off")),
+    Break("board lingering", 0, "g", build=lambda: robot_with_fault("lingering_motors", "hal_motor_off")),
 )

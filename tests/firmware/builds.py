@@ -49,10 +49,20 @@ def sanitized() -> Path:
     return compiled("sanitized", "SANITIZE=1")
 
 
-def with_fault(name: str, *wrapped: str, target: str = "host") -> Path:
-    """Compile all boards, or the `target`, with faults/`name`.c between the program and the `wrapped` functions."""
+def with_fault(name: str, *wrapped: str, target: str = "host-base") -> Path:
+    """Link a board with faults/`name`.c between the program and the `wrapped` functions."""
     link = " ".join(f"-Wl,--wrap={function}" for function in wrapped)
-    return compiled(name, f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_LINK={link}", target=target)
+    sources = f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_OBJECTS={BUILD}"
+    return compiled(name, *sources, f"HOST_LINK={link}", target=target)
+
+
+def robot_with_fault(name: str, *wrapped: str) -> Path:
+    """Return a build of all boards of a robot whose base board alone has the fault."""
+    build = with_fault(name, *wrapped)
+    for sound in ("joystick.so", "ranger.so"):
+        with contextlib.suppress(FileExistsError):
+            (build / "host" / sound).symlink_to(BUILD / "host" / sound)
+    return build
 
 
 def compiled_for_avr(source: Path, processor: str) -> Path:

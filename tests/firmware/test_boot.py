@@ -29,9 +29,7 @@ WATCHDOG_MS = 250
 @pytest.fixture
 def fragile() -> Iterator[BaseBench]:
     """A base board whose main loop or clock can be stopped, by the battery's voltage."""
-    board = open_board(
-        BASE_BOARD, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-base")
-    )
+    board = open_board(BASE_BOARD, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond"))
     board.model.battery_volts = NOTHING_STOPS
     yield BaseBench(board)
     board.close()

@@ -281,9 +281,7 @@ def test_at_no_instant_of_a_change_does_a_torn_write_release(base: BaseBench) ->
 
 
 def test_eeprom_is_written_when_the_latch_changes_and_only_then() -> None:
-    board = open_board(
-        BASE_BOARD, with_fault("eeprom_writes", "hal_keep_latch", "hal_eeprom_is_ready", target="host-base")
-    )
+    board = open_board(BASE_BOARD, with_fault("eeprom_writes", "hal_keep_latch", "hal_eeprom_is_ready"))
     base = BaseBench(board)
     assert base.model.pings[0] == 2, "a first boot writes what an erased EEPROM means"
     board.reset()

@@ -294,9 +294,7 @@ def test_both_wheels_of_swapped_encoders_are_opposite_when_the_robot_turns_on_th
 
 def test_a_fault_is_found_without_the_main_loop_and_kept() -> None:
     stops_all, loop_hangs_unwatched = 1.0, 4.0  # the voltages of faults/hung_loop.c
-    board = open_board(
-        BASE_BOARD, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-base")
-    )
+    board = open_board(BASE_BOARD, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond"))
     board.model.battery_volts = stops_all
     base = BaseBench(board)
     ready(base)

@@ -1,10 +1,10 @@
-/* A board that takes its left motor for its right one. Only a base board has it: in the others the call is weak. */
+/* A board that takes its left motor for its right one. */
 #include <stdbool.h>
 #include <stdint.h>
 
-__attribute__((weak)) void __real_hal_motor_pwm(uint8_t motor, uint8_t level);
-__attribute__((weak)) void __real_hal_motor_direction(uint8_t motor, bool forward);
-__attribute__((weak)) void __real_hal_motor_off(uint8_t motor);
+void __real_hal_motor_pwm(uint8_t motor, uint8_t level);
+void __real_hal_motor_direction(uint8_t motor, bool forward);
+void __real_hal_motor_off(uint8_t motor);
 void __wrap_hal_motor_pwm(uint8_t motor, uint8_t level);
 void __wrap_hal_motor_direction(uint8_t motor, bool forward);
 void __wrap_hal_motor_off(uint8_t motor);

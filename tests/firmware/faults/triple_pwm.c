@@ -1,7 +1,7 @@
-/* A motor driver that gives three times what it is asked for. Only a base board has it: in the others the call is weak. */
+/* A motor driver that gives three times what it is asked for. */
 #include <stdint.h>
 
-__attribute__((weak)) void __real_hal_motor_pwm(uint8_t motor, uint8_t level);
+void __real_hal_motor_pwm(uint8_t motor, uint8_t level);
 void __wrap_hal_motor_pwm(uint8_t motor, uint8_t level);
 
 void __wrap_hal_motor_pwm(uint8_t motor, uint8_t level)
