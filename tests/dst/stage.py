@@ -52,10 +52,11 @@ def stage(
     presses: tuple[tuple[float, float], ...] = (),
     settings: Settings = SETTINGS,
     sim: SimConfig = SIM,
+    until: str = "",
 ) -> Outcome:
-    """`presses`: when the joystick's button is pressed and let go, s."""
+    """`presses`: when the joystick's button is pressed and let go, s. `until`: rules; it ends once all are violated."""
     scenario = Scenario(seed, room or hall(), hand or driving(), seconds, befalls, presses=presses)
-    return play(scenario, settings, services, sim=sim)
+    return play(scenario, settings, services, sim=sim, until_rules=until)
 
 
 def rules(outcome: Outcome) -> set[str]:

@@ -12,5 +12,5 @@ from tests.dst.stage import SETTINGS, rules
 
 @pytest.mark.parametrize("broken", BREAKS, ids=lambda broken: broken.name)
 def test_a_break_is_found(broken: Break) -> None:
-    outcome = play(draw(broken.seed), SETTINGS, broken.services, broken.build(), until_rule=broken.rule)
+    outcome = play(draw(broken.seed), SETTINGS, broken.services, broken.build(), until_rules=broken.rule)
     assert broken.rule in rules(outcome), outcome.violations

@@ -198,13 +198,14 @@ class Drill:
         """Have the emergency stop reset, should it be engaged."""
         self.loop.agenda.at(self.loop.agenda.now_us + after_us, self.button.reset)
 
-    def run(self, until_rule: str = "") -> None:
-        """Run to the end, or until the judge finds a violation of `until_rule`."""
+    def run(self, until_rules: str = "") -> None:
+        """Run to the end, or until the judge has found a violation of each of `until_rules`."""
         end_us = round(self.seconds * 1e6)
         loop, judge, world = self.loop, self.judge, self.loop.simulation.world
         disk = loop.hosts["robot"].disk
         felt: Vector | None = None
-        while loop.agenda.now_us < end_us and all(found.rule != until_rule for found in judge.violations):
+        wanted = set(until_rules)
+        while loop.agenda.now_us < end_us and not (wanted and wanted <= {found.rule for found in judge.violations}):
             loop.step()
             if world.acceleration is not felt and (joystick := loop.processes.get("joystick")) is not None:
                 felt = world.acceleration
@@ -267,15 +268,15 @@ def play(
     settings: Settings,
     services: Services | None = None,
     build: Path = BUILD,
-    until_rule: str = "",
+    until_rules: str = "",
     sim: SimConfig = SIM,
 ) -> Outcome:
-    """Run a scenario to its end, or until `until_rule` is violated. `build`: where the boards were compiled to."""
+    """Run a scenario to its end, or until each of `until_rules` is violated. `build`: where the boards are compiled."""
     robot, drive = settings.robot, settings.base.drive
     world = world_of(scenario.room, robot, drive, sim, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=build) as running:
         run = Drill(running, settings, services or Services(), scenario)
-        run.run(until_rule)
+        run.run(until_rules)
         plant = world.plant
         digest = hashlib.sha256(run.cable("base").digest())
         digest.update("\n".join(run.story.lines).encode() + repr(plant.pose).encode())
