@@ -56,7 +56,7 @@ def say_a_stream_again(operator: float, robot: float, late: Sequence[float]) -> 
 def hold_in_tcp(lasts: float) -> None:
     """Cut the network for so long, s; what was said meanwhile comes after it."""
     verdicts: list[Verdict] = []
-    outcome = stage(at(3.0, cut("holds"), lasts), at(3.45, watch(verdicts), lasts + 1.5), seconds=lasts + 5.5)
+    outcome = stage(at(2.5, cut("holds"), lasts), at(2.95, watch(verdicts), lasts + 1.5), seconds=lasts + 4.5)
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]
     assert outcome.path > 0.2
@@ -72,7 +72,7 @@ def hold_in_the_serial_line(held: float) -> None:
         at(2.5, hold_frames, held),
         at(2.5 + 0.35, watch(verdicts), held + 0.5),
         hand=driving((2.6, LEVEL), (3.0, FORWARD), (2.5 + held - 0.3, LEVEL)),
-        seconds=held + 4.0,
+        seconds=held + 3.4,
     )
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from giraff_cli.dst import explore as dst
 from giraff_cli.main import app
+from giraff_sim.dst import many
 from giraff_sim.dst.drill import Outcome
 from giraff_sim.dst.judging.judge import Violation
 
@@ -68,7 +69,8 @@ def test_seeds_that_hold_are_summed_up() -> None:
     assert "stop: forward blocked" not in never
 
 
-def test_a_single_seed_is_really_run_and_told() -> None:
+def test_a_single_seed_is_really_run_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(many, "SECONDS", 6.0)
     ran = CliRunner().invoke(app, ["dst", "--seeds", "1", "--seed", "3", "--jobs", "1"], catch_exceptions=False)
     assert "s  armed" in ran.output
     assert "seeds: 1, 20 s simulated" in ran.output

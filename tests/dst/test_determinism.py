@@ -7,7 +7,7 @@ from giraff_sim.dst.scenarios import draw
 from tests.dst.stage import SETTINGS
 
 SEEDS = range(2)
-SECONDS = 8.0
+SECONDS = 5.0
 
 
 def test_a_seed_played_again_is_the_same_and_another_is_not() -> None:

@@ -16,8 +16,8 @@ from giraff_sim.world.hand import LEVEL
 from tests.dst.courses import cut, engage, kill, replay, stop, unplug, watch
 from tests.dst.stage import FORWARD, at, driving, level, stage
 
-FAULT = 3.0  # s; the robot drives since 1.5
-WATCHED = 3.0  # s
+FAULT = 2.5  # s; the robot drives since 1.5
+WATCHED = 2.0  # s; what arms by itself drives 1.7 s after each of these faults
 
 
 def moves_nothing(befall: Begin, lasts: float, bound: float = 0.35, watched: float = WATCHED) -> Outcome:
@@ -73,7 +73,7 @@ def board_reset(cause: ResetCause) -> Begin:
     return course
 
 
-@pytest.mark.parametrize("gap", [0.01, 0.3, 1.0])
+@pytest.mark.parametrize("gap", [0.01, 1.0])
 @pytest.mark.parametrize("name", ["base", "guard"])
 def test_a_restarted_service(name: str, gap: float) -> None:
     moves_nothing(kill(name), gap)
@@ -84,13 +84,13 @@ def test_a_restarted_board(cause: ResetCause) -> None:
     moves_nothing(board_reset(cause), 0.0)
 
 
-@pytest.mark.parametrize("gap", [0.05, 0.5, 1.5])
+@pytest.mark.parametrize("gap", [0.05, 1.5])
 def test_a_replugged_board(gap: float) -> None:
     moves_nothing(unplug("base"), gap)
 
 
 @pytest.mark.parametrize("name", ["guard", "base"])
-@pytest.mark.parametrize("lasts", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize("lasts", [0.3, 3.0])
 def test_a_second_process(name: str, lasts: float) -> None:
     moves_nothing(second(name), lasts)
 
@@ -130,11 +130,11 @@ def test_a_reset_that_comes_again_eight_seconds_late() -> None:
     verdicts: list[Verdict] = []
     outcome = stage(
         at(2.5, stop, 0.3),
-        at(6.0, engage),
+        at(5.0, engage),
         at(2.8 + 8.0, replay(EStopReset)),
-        at(6.35, watch(verdicts), 7.0),
-        hand=driving((2.6, LEVEL), (4.0, FORWARD), (7.0, LEVEL), (12.0, FORWARD)),
-        seconds=13.5,
+        at(5.35, watch(verdicts), 7.0),
+        hand=driving((2.6, LEVEL), (4.0, FORWARD), (6.0, LEVEL), (11.4, FORWARD)),
+        seconds=12.4,
     )
     assert outcome.violations == ()
     assert outcome.counts["armed"] == 2, "the first reset did not release the robot"

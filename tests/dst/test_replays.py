@@ -6,14 +6,14 @@ import pytest
 
 from tests.dst.replays import CLOCKS, hold_in_tcp, hold_in_the_serial_line, say_a_stream_again
 
-IN_STEP, *APART = CLOCKS
+IN_STEP, *_, APART, OPPOSED = CLOCKS
 
 
 def test_a_recorded_stream_moves_nothing_however_late_it_comes() -> None:
-    say_a_stream_again(*IN_STEP, late=(1.0, 2.0, 5.0, 8.0, 15.0))
+    say_a_stream_again(*IN_STEP, late=(1.0, 5.0, 8.0))
 
 
-@pytest.mark.parametrize(("operator", "robot"), APART, ids=str)
+@pytest.mark.parametrize(("operator", "robot"), [APART, OPPOSED], ids=str)
 def test_a_recorded_stream_moves_nothing_whatever_the_wall_clocks_say(operator: float, robot: float) -> None:
     say_a_stream_again(operator, robot, late=(1.0, 2.0))
 

@@ -37,8 +37,8 @@ from tests.dst.stage import BACKWARD, FORWARD, SET_OFF, SETTINGS, at, hall, stag
 from tests.support.floods import FloodingJoystick
 
 LEFT: Final[Vector] = (0.0, 4.0, 8.96)
-FAULT: Final = 2.6
-"""s; the robot drives for a second by then."""
+FAULT: Final = 2.1
+"""s; the robot drives for half a second by then."""
 WATCHED: Final = 1.0
 """s after the bound."""
 
