@@ -1,4 +1,7 @@
-"""The judge can find each invariant violated, and finds none where nothing is wrong."""
+"""The judge can find each invariant violated, and finds none where nothing is wrong.
+
+Where the fault alone is staged here, the same fault of a sound robot is in test_stops, test_doubles or test_replays.
+"""
 
 from __future__ import annotations
 
@@ -51,33 +54,25 @@ def test_a_sound_robot_violates_nothing_and_drives() -> None:
 
 
 def test_a_base_that_outlives_its_guard_is_seen() -> None:
-    fault = at(2.2, kill("guard"), 1.0)
-    outcome = stage(fault, seconds=4.0, services=broken(base=sabotage.PatientBase), until="ab")
+    outcome = stage(at(2.2, kill("guard"), 1.0), services=broken(base=sabotage.PatientBase), until="ab")
     assert {"a", "b"} <= rules(outcome)
-    assert rules(stage(fault, seconds=4.0)) == set()
 
 
 def test_a_command_that_is_too_old_is_seen() -> None:
     patient = broken(base=sabotage.PatientBase, guard=sabotage.PatientGuard)
-    fault = at(2.2, cut("holds"), 1.5)
-    outcome = stage(fault, seconds=4.5, services=patient, until="ab")
+    outcome = stage(at(2.2, cut("holds"), 1.5), services=patient, until="ab")
     assert {"a", "b"} <= rules(outcome)
-    assert rules(stage(fault, seconds=4.5)) == set()
 
 
 def test_a_renewed_tick_is_seen() -> None:
-    fault = at(2.2, unplug("joystick"), 0.9)
-    outcome = stage(fault, seconds=4.0, services=broken(joystick=sabotage.RenewingJoystick), until="b")
+    outcome = stage(at(2.2, unplug("joystick"), 0.9), services=broken(joystick=sabotage.RenewingJoystick), until="b")
     assert "b" in rules(outcome)
-    assert rules(stage(fault, seconds=4.0)) == set()
 
 
 def test_an_old_range_is_seen() -> None:
     patient = broken(base=sabotage.PatientBase, guard=sabotage.PatientGuard)
-    fault = at(2.2, unplug("ranger"), 0.6)
-    outcome = stage(fault, seconds=3.6, services=patient, until="b")
+    outcome = stage(at(2.2, unplug("ranger"), 0.6), services=patient, until="b")
     assert "b" in rules(outcome)
-    assert rules(stage(fault, seconds=3.6)) == set()
 
 
 def test_motion_under_a_pressed_button_is_seen() -> None:
@@ -110,8 +105,7 @@ def test_a_command_of_another_than_the_holder_is_seen() -> None:
 
 
 def test_motion_under_an_emergency_stop_is_seen() -> None:
-    assert "d" in rules(stage(at(2.2, engage), seconds=4.0, services=broken(base=sabotage.DeafBase), until="d"))
-    assert rules(stage(at(2.2, engage), seconds=4.0)) == set()
+    assert "d" in rules(stage(at(2.2, engage), services=broken(base=sabotage.DeafBase), until="d"))
 
 
 def test_motion_after_the_space_bar_is_seen() -> None:

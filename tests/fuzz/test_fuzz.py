@@ -17,7 +17,7 @@ from tests.fuzz.params import PARAM_KEYS
 
 BOARD_BYTES = 100_000
 HOST_BYTES = 100_000
-PAYLOADS = 500
+PAYLOADS = 300
 """At each key."""
 EACH = 8
 """Number of keys between two drives."""
