@@ -73,7 +73,7 @@ def board_reset(cause: ResetCause) -> Begin:
     return course
 
 
-@pytest.mark.parametrize("gap", [0.01, 1.0])
+@pytest.mark.parametrize("gap", [0.01, 0.3, 1.0])
 @pytest.mark.parametrize("name", ["base", "guard"])
 def test_a_restarted_service(name: str, gap: float) -> None:
     moves_nothing(kill(name), gap)
