@@ -204,8 +204,7 @@ class Drill:
         loop, judge, world = self.loop, self.judge, self.loop.simulation.world
         disk = loop.hosts["robot"].disk
         felt: Vector | None = None
-        wanted = set(until_rules)
-        while loop.agenda.now_us < end_us and not (wanted and wanted <= {found.rule for found in judge.violations}):
+        while loop.agenda.now_us < end_us and not judge.has_found(until_rules):
             loop.step()
             if world.acceleration is not felt and (joystick := loop.processes.get("joystick")) is not None:
                 felt = world.acceleration

@@ -94,6 +94,10 @@ class Judge(Ledger):
         grants = self.leases.get(self._guard)
         return grants[-1].holder if grants else ""
 
+    def has_found(self, rules: str) -> bool:
+        """Return whether each of these rules, by their letters, is violated; False of none."""
+        return bool(rules) and {found.rule for found in self.violations}.issuperset(rules)
+
     def answered(self, process: Process, request: Any, answer: Any) -> None:
         if isinstance(answer, ParamAnswer):
             what = "saved" if isinstance(request, ParamSave) else "set"
