@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import lru_cache
+from functools import cache
 from itertools import islice
 
 import cv2
@@ -53,21 +53,21 @@ def is_right(told: VisualOdometry, true: Pose) -> bool:
     return off < max(0.2 * math.hypot(*true[:2]), 0.01) and abs(told.motion[2] - true.yaw) < 0.01
 
 
-@lru_cache
-def clear(seed: int = 1) -> tuple[Filmed, ...]:
+@cache
+def clear() -> tuple[Filmed, ...]:
     """Return 24 pictures that end on the move."""
-    return tuple(islice(film("straight", Scene("carpet"), seed=seed), 24))
+    return tuple(islice(film("straight", Scene("carpet")), 24))
 
 
-@lru_cache
+@cache
 def dirty() -> tuple[Filmed, ...]:
-    """Return 30 pictures through a dirty lens over a floor that shows nothing."""
-    return tuple(islice(film("straight", Scene("bare", lens=Lens(specks=100))), 30))
+    """Return 24 pictures through a dirty lens over a floor that shows nothing."""
+    return tuple(islice(film("straight", Scene("bare", lens=Lens(specks=100))), 24))
 
 
-@pytest.mark.parametrize(("floor", "path", "pictures"), [("planks", "weave", 56), ("brick", "square", 80)])
+@pytest.mark.parametrize(("floor", "path", "pictures"), [("planks", "weave", 40), ("carpet", "square", 68)])
 def test_a_path_is_measured(floor: Floor, path: str, pictures: int) -> None:
-    (first, *_), *_, (last, end, _) = found = told_of(islice(film(path, Scene(floor), 2.0), pictures))
+    (first, *_), *_, (last, end, _) = found = told_of(islice(film(path, Scene(floor), 0.8), pictures))
     assert [told.reason for _, told, _ in found[1:] if told.reason] == []
     off = Pose(*end.path).seen_from(last.pose.seen_from(first.pose))
     assert math.hypot(off.x, off.y) < 0.01 * end.seen_m
@@ -77,7 +77,7 @@ def test_a_path_is_measured(floor: Floor, path: str, pictures: int) -> None:
 
 def slipping(grip: float) -> Iterable[Filmed]:
     """Return a drive in which the robot makes a share of the wheels' way for a while."""
-    return film("straight", Scene("carpet"), 1.0, grip=lambda time: grip if 1.2 < time < 2.0 else 1.0)
+    return islice(film("straight", Scene("carpet"), grip=lambda time: grip if 0.8 < time < 1.4 else 1.0), 28)
 
 
 @pytest.mark.parametrize(
@@ -96,9 +96,9 @@ def test_a_disagreement_tells_both_motions_and_is_no_measurement(shots: Callable
         assert min(abs(motion[0] - true.x), abs(wheels[0] / 1.02 - true.x)) < 0.01  # one of the two is right
 
 
-@pytest.mark.parametrize(("floor", "pictures"), [("lino", 30), ("planks", 60)])
+@pytest.mark.parametrize(("floor", "pictures"), [("lino", 12), ("planks", 28)])
 def test_a_shadow_that_moves_is_no_motion(floor: Floor, pictures: int) -> None:
-    shadow = Shadow(0.0, middle=1.7, swing=1.0, period=6.0, half_width=0.2, light=0.2)
+    shadow = Shadow(0.0, middle=1.7, swing=1.0, period=3.0, half_width=0.2, light=0.2)
     found = told_of(islice(film("straight", Scene(floor, shadow=shadow), 1.0), pictures))
     assert all(is_right(told, true) for _, told, true in found if told.is_measured)
     reasons_told = {told.reason for _, told, _ in found}
@@ -126,7 +126,7 @@ def test_wheels_that_tell_nothing_of_the_way_since_the_key_picture_keep_their_ve
 
 
 def test_a_turn_on_the_spot_behind_a_dirty_lens_is_contradicted_by_the_wheels() -> None:
-    shots = list(islice(film("square", Scene("bare", lens=Lens(specks=100)), 0.4), 36))
+    shots = list(islice(film("square", Scene("bare", lens=Lens(specks=100)), 0.04), 24))
     turning = [told for shot, told, _ in told_of(shots) if shot.is_turning]
     assert len(turning) > 10
     assert all(told.reason for told in turning[1:])
@@ -134,7 +134,7 @@ def test_a_turn_on_the_spot_behind_a_dirty_lens_is_contradicted_by_the_wheels() 
 
 def test_a_body_that_sways_is_followed() -> None:
     sway = film("straight", Scene("carpet"), 1.0, lean=lambda time: math.radians(2.0) * math.sin(math.tau * 2.0 * time))
-    found = told_of(islice(sway, 30))
+    found = told_of(islice(sway, 20))
     assert all(told.is_measured for _, told, _ in found[1:])
     assert all(is_right(told, true) for _, told, true in found[1:])
 
@@ -158,7 +158,7 @@ def test_a_lean_that_puts_the_lens_on_the_floor_tells_no_motion(share: float, is
 
 def test_a_lens_that_bends_is_straightened() -> None:
     camera = msgspec.structs.replace(CAMERA, distortion=(-0.3, 0.1, 0.0, 0.0, 0.0), yaw=0.6, roll=0.2, y=0.2)
-    (first, *_), *_, (last, told, _) = told_of(islice(film("straight", Scene("brick"), camera=camera), 20), camera)
+    (first, *_), *_, (last, told, _) = told_of(islice(film("straight", Scene("carpet"), camera=camera), 20), camera)
     off = Pose(*told.path).seen_from(last.pose.seen_from(first.pose))
     assert math.hypot(off.x, off.y) < 0.01 * told.seen_m
 
@@ -181,7 +181,7 @@ def test_a_large_difference_is_remembered_until_both_have_agreed_over_some_way(o
 
 
 def test_a_robot_file_of_another_lens_ends_nothing() -> None:
-    assert len(told_of(clear(), msgspec.structs.replace(CAMERA, focal_x=700.0, focal_y=700.0))) == len(clear())
+    assert len(told_of(clear()[:8], msgspec.structs.replace(CAMERA, focal_x=700.0, focal_y=700.0))) == 8
 
 
 @pytest.mark.parametrize(("width", "height"), [(160, 120), (320, 200)])
@@ -205,18 +205,18 @@ UNUSABLE: dict[str, tuple[Trouble, Callable[[], Iterable[Filmed]]]] = {
     "covered": (reasons.COVERED, lambda: begun(Scene("carpet", lens=Lens(covered=0.6)))),
     "featureless": (reasons.FEATURELESS, lambda: begun(Scene("bare"))),
     "blurred": (reasons.BLURRED, lambda: changed(lambda grey: cv2.GaussianBlur(grey, (0, 0), 8.0))),
-    "another picture": (reasons.LOST, lambda: (*clear()[:23], clear(seed=5)[23])),
+    "another picture": (reasons.LOST, lambda: (*clear()[:16], *changed(np.fliplr))),
     "moving": (reasons.MOVING, lambda: changed(half_still)),
 }
 
 
 def begun(scene: Scene) -> Iterable[Filmed]:
-    return islice(film("straight", scene), 3)
+    return islice(film("straight", scene), 2)
 
 
 def changed(change: Callable[[Grey], object]) -> Iterable[Filmed]:
-    """Return the clear pictures with a change of the last."""
-    return (*clear()[:23], clear()[23]._replace(grey=np.asarray(change(clear()[23].grey), np.uint8)))
+    """Return the last clear pictures with a change of the very last."""
+    return (*clear()[16:23], clear()[23]._replace(grey=np.asarray(change(clear()[23].grey), np.uint8)))
 
 
 @pytest.mark.parametrize("case", UNUSABLE)
@@ -233,10 +233,12 @@ def test_a_camera_that_looks_up_sees_no_floor() -> None:
 
 def test_a_pattern_that_repeats_is_unsure_where_no_wheels_contradict(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tiles of 0.128 m that are all alike: pictures alone go wrong there, later, by the shadow."""
-    assert [told.reason for _, told, _ in told_of(deaf(clear()))[1:] if told.reason] == []
+    assert [told.reason for _, told, _ in told_of(deaf(clear()[12:]))[1:] if told.reason] == []
     y, x = np.mgrid[0 : textures.SIZE, 0 : textures.SIZE]
     tiles = np.where((x % 32 < 2) | (y % 32 < 2), 85.0, 130.0)
     monkeypatch.setattr(textures, "_floor", lambda _, chance: tiles + chance.normal(0.0, 4.0, tiles.shape))
+    kept = textures._levels
+    monkeypatch.setattr(textures, "_levels", lambda name, seed: kept(name, seed if name == "tiles" else 1))
     scene = Scene("tiles", shadow=Shadow(period=6.0))
     shots = list(islice(film("straight", scene, 4.0, seed=ALIKE), 12))
     alone = told_of(deaf(shots))
