@@ -155,7 +155,7 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_tilt_asks_for_its_own_direction_however_the_sensor_sits(
     square: Rows, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for off, offset in itertools.product(((3.0, -4.0), (-5.0, 2.0)), ((0.3, 0.3, 0.3), (-0.3, 0.3, -0.3))):
+    for off, offset in (((3.0, -4.0), (0.3, 0.3, 0.3)), ((-5.0, 2.0), (-0.3, 0.3, -0.3))):
         truth = Truth(square, off, offset)
         monkeypatch.setattr(Link, "truth", truth)
         assert command.calibrate_joystick(None, None) == 0
@@ -171,7 +171,7 @@ def test_a_tilt_asks_for_its_own_direction_however_the_sensor_sits(
                 assert math.copysign(bool(is_asked), is_asked) == (0 if abs(right) < 1 else math.copysign(1, right))
     assert "forward" in Person.shown
     kept = [each.name for each in path.parent.iterdir() if ".before-" in each.name]
-    assert len(kept) == 4
+    assert len(kept) == 2
     before, after = (tomllib.loads(each.read_text()) for each in (ROOT / "deploy" / "robot.toml", path))
     for name in ("mount_roll", "mount_pitch", "mount_yaw"):
         del after["joystick"][name]

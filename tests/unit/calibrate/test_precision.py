@@ -12,7 +12,7 @@ from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_sim.truth import TruthRanges
 from tests.unit.calibrate.drawn import calibrated
 
-_ROBOTS: Final = 10
+_ROBOTS: Final = 6
 _WANTED: Final = np.array((0.002, 0.002, 0.004))
 """Of the left wheel, the right wheel and the track."""
 _MOST_BEYOND: Final = 1

