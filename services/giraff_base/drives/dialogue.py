@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from enum import IntEnum
+from functools import lru_cache
 from typing import Final, Generic, Protocol, TypeVar
 
 import msgspec
@@ -178,6 +179,7 @@ class Dialogue(ABC, Generic[ReportT]):
         """Return the frame that latches, or releases the latch."""
 
 
+@lru_cache(maxsize=256)
 def word(kind: type[IntEnum], value: int) -> str:
     """The name of what a board reported, whatever it was."""
     return kind(value).name.lower() if value in list(kind) else f"unknown {value}"

@@ -50,9 +50,9 @@ class Bad(NamedTuple):
 
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Recorded]]:
-    """The first four seconds of the drive, as foreign tools write them: JSON, in small chunks."""
+    """The first two seconds of the drive, as foreign tools write them: JSON, in small chunks."""
     path = tmp_path_factory.mktemp("drive") / "own.mcap"
-    return path, begin_of_the_drive(path, 4_000_000_000)
+    return path, begin_of_the_drive(path, 2_000_000_000)
 
 
 def foreign(path: Path, recorded: list[Recorded], *, strange: bool, torn: bytes = b"") -> Path:
@@ -61,7 +61,7 @@ def foreign(path: Path, recorded: list[Recorded], *, strange: bool, torn: bytes 
     `torn`: with this payload of odometry as well, as it was on the network.
     """
     with path.open("wb") as file:
-        writer = Writer(file, chunk_size=20_000)
+        writer = Writer(file, chunk_size=10_000)
         writer.start()
         channels: dict[tuple[str, str], int] = {}
 

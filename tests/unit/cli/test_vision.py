@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import cache
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
@@ -16,8 +16,9 @@ import pytest
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.process.libraries import remedy
+from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.codec import encode, encoding_of, stamped
-from giraff_schemas.messages import Sample
+from giraff_schemas.messages import Odometry, Sample
 from giraff_schemas.topics import CAMERA, ODOM, VISUAL_ODOM, Topic, key_of
 from giraff_sim.camera.scene import Scene
 from giraff_vision.policy import VisionPolicy
@@ -32,10 +33,26 @@ MS: Final = 1_000_000
 Giraff = Callable[..., tuple[int, str, str]]
 
 
-@lru_cache
-def drive(pictures: int) -> list[Filmed]:
+@cache
+def drive() -> list[Filmed]:
     """Film the begin of a drive. Its first pictures are left out: they are before the first word of the wheels."""
-    return [*islice(film("straight", Scene(floor="planks"), 1.1), pictures)][3:]
+    return [*islice(film("straight", Scene(floor="planks"), 1.1), 50)][3:]
+
+
+@cache
+def said() -> list[VisualOdometry]:
+    """Return what is told of each of its pictures."""
+    policy, told = VisionPolicy(HEAD), list[VisualOdometry]()
+    for number, shot in enumerate(drive()):
+        for each in shot.odometry:
+            policy.on_odometry(heard(each, number))
+        told.append(policy.on_picture(shot.picture, shot.grey))
+    return told
+
+
+def heard(odometry: Odometry, number: int) -> Odometry:
+    """Return it as it comes before the picture of this number."""
+    return stamped(odometry, odometry.seq, (number + 1) * 67 * MS - 1, "odometry")
 
 
 @pytest.fixture
@@ -45,20 +62,17 @@ def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], 
     return lambda *words: typed(monkeypatch, capsys, *words)
 
 
-def recorded(shots: list[Filmed], path: Path, missing: int = -1) -> str:
-    """Write a recording that lacks the picture of this number."""
-    policy = VisionPolicy(HEAD)
+def recorded(path: Path, pictures: int, missing: int = -1) -> str:
+    """Write a recording of the begin of the drive that lacks the picture of this number."""
 
     def samples() -> Iterator[tuple[int, Topic[Any], Sample]]:
-        for number, shot in enumerate(shots):
+        for number, shot in enumerate(drive()[:pictures]):
             at_ns = (number + 1) * 67 * MS
             for each in shot.odometry:
-                policy.on_odometry(odometry := stamped(each, each.seq, at_ns - 1, "odometry"))
-                yield at_ns - 1, ODOM, odometry
-            said = policy.on_picture(shot.picture, shot.grey)
+                yield at_ns - 1, ODOM, heard(each, number)
             if number != missing:
                 yield at_ns, CAMERA.at("head"), shot.picture
-            yield at_ns + 1, VISUAL_ODOM, stamped(said, number, at_ns, "vision")
+            yield at_ns + 1, VISUAL_ODOM, stamped(said()[number], number, at_ns, "vision")
 
     with RecordingWriter(path, {"robot": "anne"}) as writer:
         writer.add(
@@ -69,8 +83,8 @@ def recorded(shots: list[Filmed], path: Path, missing: int = -1) -> str:
 
 
 def test_a_recording_is_looked_through_with_its_wheels(giraff: Giraff, tmp_path: Path) -> None:
-    shots = drive(30)
-    code, out, complaint = giraff("vision", "--from", recorded(shots, tmp_path / "a.mcap"), "--json")
+    shots = drive()[:27]
+    code, out, complaint = giraff("vision", "--from", recorded(tmp_path / "a.mcap", len(shots)), "--json")
     assert (code, complaint) == (0, "")
     told = json.loads(out)
     assert (told["camera"], told["pictures"], told["without_wheels"]) == ("head", len(shots), 0)
@@ -82,7 +96,7 @@ def test_a_recording_is_looked_through_with_its_wheels(giraff: Giraff, tmp_path:
 
 def test_a_video_has_no_wheels_and_one_that_is_cut_off_is_told(giraff: Giraff, tmp_path: Path) -> None:
     """Its pictures are larger than the robot file says, as a camera's may be."""
-    path, shots = tmp_path / "a.avi", drive(30)
+    path, shots = tmp_path / "a.avi", drive()[:27]
     video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 15.0, (640, 480))
     for shot in shots:
         video.write(cv2.cvtColor(cv2.resize(shot.grey, (640, 480)), cv2.COLOR_GRAY2BGR))
@@ -112,17 +126,17 @@ def test_a_video_of_huge_pictures_is_refused_before_one_is_decoded(
 def test_a_replay_goes_on_at_a_key_picture_behind_a_missing_one_and_sees_what_is_otherwise(
     giraff: Giraff, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shots = drive(100)
+    count = len(drive())
 
     def replay(name: str) -> dict[str, Any]:
         found: list[dict[str, Any]] = json.loads(giraff("replay", name, "--json")[1])
         return next(each for each in found if each["service"] == "vision")
 
-    whole = replay(recorded(shots, tmp_path / "whole.mcap"))
-    assert (whole["equal"], whole["compared"], whole["left_out"]) == (len(shots) - 1, len(shots) - 1, 1)
-    part = replay(recorded(shots, tmp_path / "part.mcap", missing=3))
-    assert (part["first"], part["equal"] + part["left_out"]) == ("", len(shots))
-    assert 20 < part["equal"] < len(shots) - 20
+    whole = replay(recorded(tmp_path / "whole.mcap", count))
+    assert (whole["equal"], whole["compared"], whole["left_out"]) == (count - 1, count - 1, 1)
+    part = replay(recorded(tmp_path / "part.mcap", count, missing=3))
+    assert (part["first"], part["equal"] + part["left_out"]) == ("", count)
+    assert 20 < part["equal"] < count - 20
     monkeypatch.setenv("GIRAFF_ROBOT_SENSORS__HEAD__Z", "1.05")
     assert "motion" in replay("whole.mcap")["first"]
 

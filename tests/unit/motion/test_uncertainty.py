@@ -12,8 +12,8 @@ from tests.unit.motion.claims import CALIBRATED, share_held
 
 
 def test_what_it_claims_holds_its_error() -> None:
-    held = share_held((Move(distance=0.6), Turn(angle=math.pi / 2.0)), "calibrated", range(100))
-    print(f"{held:.0%} of 100 robots end within the ellipsoid of 95 %")
+    held = share_held((Move(distance=0.6), Turn(angle=math.pi / 2.0)), "calibrated", range(50))
+    print(f"{held:.0%} of 50 robots end within the ellipsoid of 95 %")
     assert 0.90 <= held <= 0.99
 
 

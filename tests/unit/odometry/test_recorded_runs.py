@@ -3,6 +3,7 @@
 import csv
 import math
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import msgspec
@@ -31,11 +32,13 @@ Row = tuple[float, float, float, float, int, int]
 """Time s; true x m, y m, heading rad; counts of the right and the left wheel since the row before."""
 
 
+@cache
 def metadata(session: str) -> dict[str, list[str]]:
     with (DATA / f"{session}_metadata.csv").open(newline="") as file:
         return {name: values for name, *values in csv.reader(file)}
 
 
+@cache
 def rows(session: str, run: int) -> list[Row]:
     with (DATA / f"{session}_run-{run:02}.csv").open(newline="") as file:
         return [
@@ -58,6 +61,7 @@ def travels(session: str, run: int) -> Iterator[tuple[float, float]]:
         yield left / counts_per_metre, right / counts_per_metre
 
 
+@cache
 def integrated(session: str, run: int) -> Estimate:
     track_width, _ = geometry(session)
     drive = DifferentialDrive(track_width, max_wheel_speed=1.0)
@@ -67,8 +71,8 @@ def integrated(session: str, run: int) -> Estimate:
     return estimate
 
 
-def integrated_finely(session: str, run: int, substeps: int = 1000) -> tuple[float, float]:
-    """The same counts with no arc in sight: constant speed and turn in each row, in a thousand straight pieces."""
+def integrated_finely(session: str, run: int, substeps: int = 100) -> tuple[float, float]:
+    """The same counts with no arc in sight: constant speed and turn in each row, in a hundred straight pieces."""
     track_width, _ = geometry(session)
     x = y = yaw = 0.0
     for left, right in travels(session, run):
@@ -99,6 +103,7 @@ def as_reports(session: str, run: int) -> list[Wheels]:
     return samples
 
 
+@cache
 def followed(session: str, run: int) -> Odometry:
     """The last word of odometry on the whole run."""
     track_width, counts_per_metre = geometry(session)

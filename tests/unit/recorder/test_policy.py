@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -215,6 +216,7 @@ ROBOT: dict[str, tuple[float, int]] = {
 """Hz and largest bytes of each key of a robot that drives with a joystick."""
 
 
+@cache
 def a_minute() -> list[RawSample]:
     """Return what that robot says in 60 s, in order."""
     return sorted(

@@ -54,7 +54,7 @@ def refusal(topic: Topic[Any], payload: bytes, encoding: str | None = None) -> s
 
 
 @every_topic
-@settings(max_examples=20, derandomize=True)
+@settings(max_examples=10, derandomize=True)
 @given(data=st.data())
 def test_what_is_encoded_is_decoded_and_a_plain_map_to_a_reader_without_the_schemas(
     topic: Topic[Any], data: st.DataObject
