@@ -166,7 +166,7 @@ WORDS: st.SearchStrategy[Word] = st.one_of(
 )
 
 
-@settings(max_examples=80, derandomize=True)
+@settings(max_examples=50, derandomize=True)
 @given(words=st.lists(WORDS, min_size=10, max_size=60))
 def test_only_the_holders_fresh_hand_ever_moves_or_arms(words: list[Word]) -> None:
     rig = Witness()

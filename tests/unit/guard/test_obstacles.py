@@ -102,7 +102,7 @@ def check_verdicts(verdicts: Verdicts) -> None:
 DISTANCES = st.one_of(st.none(), st.floats(0.02, 4.0), st.sampled_from([3.0, 0.3]))
 
 
-@settings(max_examples=30, derandomize=True)
+@settings(max_examples=20, derandomize=True)
 @given(
     events=st.lists(
         st.tuples(

@@ -109,7 +109,7 @@ def test_no_sound_robot_is_doubted(left: float, right: float, slope: float, carp
     told: list[Pair] = [(0.0, 0.0)]
     given: list[Pair] = [(0.0, 0.0)]
     yaw = 0.0
-    for _ in range(40):
+    for _ in range(20):
         asked = chance.uniform(-0.6, 0.6), chance.uniform(-0.6, 0.6)
         asked = asked if chance.random() < 0.5 else (asked[0], asked[0])
         for _ in range(chance.randrange(20, 250)):
