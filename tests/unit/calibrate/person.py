@@ -13,7 +13,7 @@ from giraff_core.counters import signed32
 from giraff_schemas.messages import RobotTime, Wheels
 
 GEOMETRY: Final = Geometry(2000.0, 0.5)
-_RATE: Final = 20.0  # Hz
+_RATE: Final = 10.0  # Hz
 _SPEED: Final = 0.3  # m/s
 _WRAP: Final = 1 << 32
 _PATIENCE: Final = 50

@@ -45,7 +45,7 @@ def test_runs_that_were_not_fitted_end_nearer(session: str, left_over: float) ->
     assert found.warnings == ()
 
 
-@pytest.mark.parametrize("length", [0.5, 1.0, 1.4, 2.0])
+@pytest.mark.parametrize("length", [0.5, 2.0])
 @pytest.mark.parametrize("session", SESSIONS)
 def test_that_does_not_hang_on_how_long_a_window_is(
     session: str, length: float, monkeypatch: pytest.MonkeyPatch
@@ -104,7 +104,7 @@ def test_both_directions_are_not(session: str, numbers: tuple[int, ...]) -> None
 
 
 @pytest.mark.parametrize("session", SESSIONS)
-@pytest.mark.parametrize("numbers", [FITTED, (1, 2, 3), (1,)])
+@pytest.mark.parametrize("numbers", [FITTED, (1,)])
 def test_ends_of_closed_squares_alone_are_refused(session: str, numbers: tuple[int, ...]) -> None:
     """They fit best to a robot that does not move at all."""
     with pytest.raises(UndeterminedError, match="straight line whose length is measured"):
