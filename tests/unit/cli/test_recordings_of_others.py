@@ -23,7 +23,14 @@ from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 from tests.unit.replay.drive import begin_of_the_drive
 
-ROOM: Final = str(ROOT / "deploy" / "worlds" / "living_room.toml")
+ROOM: Final = """
+name = "room"
+start = { x = 1.0, y = 1.0, yaw_deg = 0.0 }
+[[walls]]
+name = "room"
+points = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
+closed = true
+"""
 TOPIC: Final = "giraff/sim-test/odom"
 NO_JSON: Final = {
     "not a number": b'{"x": NaN}',
@@ -106,7 +113,7 @@ COMMANDS: Final = {
     "play": ("play", "{}", "--rate", "100", "--json"),
     "replay": ("replay", "{}", "--json"),
     "view": ("view", "{}", "--save", "{}.rrd"),
-    "localize": ("localize", "--from", "{}", "--map", ROOM, "--json"),
+    "localize": ("localize", "--from", "{}", "--map", "room.toml", "--json"),
 }
 
 
@@ -119,6 +126,7 @@ def said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
     monkeypatch.setattr("zenoh.open", lambda _: session)
     monkeypatch.setenv("GIRAFF_CONFIG", str(ROOT / "deploy" / "robot.toml"))
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "room.toml").write_text(ROOM, encoding="utf-8")
     return keys
 
 
