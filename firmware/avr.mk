@@ -5,8 +5,10 @@ AVR_SIZE ?= avr-size
 SHARED := clock main processor uart
 
 OUT := $(BUILD)/firmware/$(BOARD)
+FROM := $(LIKE)/firmware/$(BOARD)
 ELF := $(BUILD)/firmware/$(BOARD).elf
-OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/registers/%.o,$(SHARED) $(REGISTERS))
+OBJECTS := $(PROGRAM:%=$(FROM)/program/%.o) $(patsubst %,$(FROM)/registers/%.o,$(SHARED) $(REGISTERS)) \
+	$(OUT)/program/start_values.o
 
 FLAGS += -mmcu=$(MCU) -DF_CPU=$(HZ) -Iavr -Os -g -flto -ffunction-sections -fdata-sections
 
@@ -23,13 +25,13 @@ $(ELF): $(OBJECTS)
 
 $(OUT)/program/start_values.o: $(START_VALUES) $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/program/%.o: %.c $(MAKEFILE_LIST)
+$(FROM)/program/%.o: %.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/registers/%.o: boards/$(BOARD)/%.c $(MAKEFILE_LIST)
+$(FROM)/registers/%.o: boards/$(BOARD)/%.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/registers/%.o: avr/%.c $(MAKEFILE_LIST)
+$(FROM)/registers/%.o: avr/%.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/registers/%.o: boards/$(BOARD)/%.S $(MAKEFILE_LIST)
+$(FROM)/registers/%.o: boards/$(BOARD)/%.S $(MAKEFILE_LIST)
 	$(COMPILE)
 
 .PHONY: check

@@ -3,6 +3,7 @@ include boards/$(BOARD)/board.mk
 
 # However it is spelled: what the compiler notes of headers names each object by its path.
 override BUILD := $(abspath $(BUILD))
+override LIKE := $(abspath $(or $(LIKE),$(BUILD)))
 
 START_VALUES ?= common/start_values.c
 
@@ -12,15 +13,13 @@ balancer_PROGRAM := balance balancer command driver encoders inertial kalman lat
 base_PROGRAM := base drive $(ENCODERS) held latch limit motors speed speedometer turning
 joystick_PROGRAM := bno055 bus joystick tick
 ranger_PROGRAM := bumpers echo ranger sonars tick
-PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM) start_values
+PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM)
 
-# A board with a wire of its own says which header declares it.
-HASH := $(shell $(PYTHON) generate_codec.py --hash $(PROTOCOL))
-ifeq ($(HASH),)
-$(error generate_codec.py gave no protocol hash)
-endif
+# A board with a wire of its own says which header declares it. Asked for once, and only where something is compiled.
+HASH = $(eval HASH := $$(shell $$(PYTHON) generate_codec.py --hash $$(PROTOCOL)))$(or \
+	$(HASH),$(error generate_codec.py gave no protocol hash))
 
-FLAGS := -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wundef \
+FLAGS = -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wundef \
 	-fno-common -MMD -MP -Icommon -I$(FIRMWARE) -Iboards/$(BOARD) -DPROTOCOL_HASH=$(HASH)UL
 
 CHECK = $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) -DPROTOCOL_HASH=$(HASH) \

@@ -17,13 +17,21 @@ FIRMWARE: Final = ROOT / "firmware"
 HERE: Final = Path(__file__).resolve().parent
 
 
-@cache
-def compiled(variant: str = "", *settings: str, target: str = "host") -> Path:
-    """Compile the boards with make's `settings`, each variant into a directory of its own, which this returns."""
-    build = BUILD / "variants" / variant if variant else BUILD
-    # One at a time: tests run in several processes, and these may want the same variant.
-    command = ["flock", str(FIRMWARE), "make", "--silent", "-C", str(FIRMWARE), target, f"BUILD={build}", *settings]
+STOCK: Final = ("base", "joystick", "ranger")
+"""The boards of a stock Giraff, and of most simulations."""
+
+
+def _make(build: Path, *words: str) -> None:
+    # One at a time: tests run in several processes, and these may want the same variant, or an object of all.
+    command = ["flock", str(FIRMWARE), "make", "--silent", "-C", str(FIRMWARE), f"BUILD={build}", *words]
     finished(command, check=True)
+
+
+@cache
+def compiled(variant: str = "", *words: str) -> Path:
+    """Compile boards with make's settings and targets, a variant into a directory of its own, which this returns."""
+    build = BUILD / "variants" / variant if variant else BUILD
+    _make(build, *(words or ("host",)))
     return build
 
 
@@ -33,27 +41,28 @@ def open_board(type_: BoardType, build: Path) -> Board:
 
 def near_wraps() -> Path:
     """Every counter starts shortly before it wraps."""
-    return compiled("near_wraps", f"START_VALUES={HERE / 'near_wraps.c'}")
+    return compiled("near_wraps", *_starting_with(HERE / "near_wraps.c"), *_host(*STOCK))
 
 
 def wrap_soon() -> Path:
     """The same, with time to drive before, also for the real boards' processors."""
-    build = compiled("wrap_soon", f"START_VALUES={HERE / 'wrap_soon.c'}", "all")
+    values = _starting_with(HERE / "wrap_soon.c")
+    build = compiled("wrap_soon", *values, *_host(*STOCK), *(f"avr-{board}" for board in STOCK))
     with contextlib.suppress(FileExistsError):
         (build / "lockstep").symlink_to(BUILD / "lockstep")
     return build
 
 
-def sanitized() -> Path:
-    """With address and undefined-behaviour sanitizers, which end the process at the first finding."""
-    return compiled("sanitized", "SANITIZE=1")
+def sanitized(*boards: str) -> list[Path]:
+    """Return boards' libraries with address and undefined-behaviour sanitizers, which end a process at a finding."""
+    build = compiled("sanitized", "SANITIZE=1", *_host(*boards))
+    return [build / "host" / f"{board}.so" for board in boards]
 
 
-def with_fault(name: str, *wrapped: str, target: str = "host-base") -> Path:
-    """Link a board with faults/`name`.c between the program and the `wrapped` functions."""
+def with_fault(name: str, *wrapped: str, board: str = "base") -> Path:
+    """Compile a board with faults/`name`.c between the program and the `wrapped` functions."""
     link = " ".join(f"-Wl,--wrap={function}" for function in wrapped)
-    sources = f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_OBJECTS={BUILD}"
-    return compiled(name, *sources, f"HOST_LINK={link}", target=target)
+    return compiled(name, f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_LINK={link}", _LIKE, *_host(board))
 
 
 def robot_with_fault(name: str, *wrapped: str) -> Path:
@@ -65,6 +74,17 @@ def robot_with_fault(name: str, *wrapped: str) -> Path:
     return build
 
 
+_LIKE: Final = f"LIKE={BUILD}"
+
+
+def _starting_with(values: Path) -> tuple[str, ...]:
+    return _LIKE, f"START_VALUES={values}"
+
+
+def _host(*boards: str) -> tuple[str, ...]:
+    return tuple(f"host-{board}" for board in boards)
+
+
 def compiled_for_avr(source: Path, processor: str) -> Path:
     """A program of its own for a board's processor."""
     image = source.with_suffix(".elf")
@@ -74,8 +94,7 @@ def compiled_for_avr(source: Path, processor: str) -> Path:
 
 def built(directory: Path, start_values: Path, *targets: str) -> None:
     """Boards whose counters start at such values."""
-    settings = [f"BUILD={directory}", f"START_VALUES={start_values}"]
-    finished(["make", "--silent", "-C", FIRMWARE, *settings, *targets], check=True)
+    _make(directory, *_starting_with(start_values), *targets)
 
 
 def shared_library(library: Path, *sources: Path, includes: Sequence[Path] = ()) -> Path:

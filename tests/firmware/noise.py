@@ -1,7 +1,7 @@
-"""Throws noise at a board until a seed is used up; run in a process of its own, under sanitizers.
+"""Throws noise at boards for a while; run in a process of its own, under sanitizers.
 
-Usage: noise.py LIBRARY SEED MILLISECONDS
-Prints how many line errors the board has counted.
+Usage: noise.py MILLISECONDS LIBRARY...
+Prints how many line errors each board has counted.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ def noise(chance: random.Random) -> bytes:
     return bytes(frame)
 
 
-def main() -> int:
-    library, seed, milliseconds = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
-    chance = random.Random(seed)
+def line_errors(library: Path, milliseconds: int) -> int:
+    """Throw noise at a board, whose name is the seed."""
+    chance = random.Random(library.stem)
     board = Board(TYPES[library.stem], library)
     board.on_ping(lambda _sensor: chance.choice([0.0, -1.0, chance.uniform(0, 200_000)]))
     decoder = Decoder(board.type.frames)
@@ -72,11 +72,16 @@ def main() -> int:
         for frame in decoder.feed(board.read()):
             if isinstance(frame, (WheelsFrame, TiltFrame, RangeFrame, balancer_wire.BalanceFrame)):
                 errors = max(errors, frame.line_errors)
-    assert decoder.crc_errors + decoder.shape_errors <= board.model.resets, "only a reset tears the board's frames"
-    assert max(motor.drive_peak for motor in board.model.motor) == 0, "noise drives"
+    assert decoder.crc_errors + decoder.shape_errors <= board.model.resets, f"more than resets tear frames of {library}"
+    assert max(motor.drive_peak for motor in board.model.motor) == 0, f"noise drives {library}"
     assert board.model.errors == 0, board.message
     board.close()
-    print(errors)
+    return errors
+
+
+def main() -> int:
+    milliseconds, *libraries = sys.argv[1:]
+    print(*(line_errors(Path(library), int(milliseconds)) for library in libraries))
     return 0
 
 

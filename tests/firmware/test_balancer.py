@@ -340,7 +340,7 @@ def test_a_driver_that_was_off_is_told_its_settings_within_a_second(board: Balan
 
 
 def test_a_loop_that_hangs_ends_by_the_driver_and_then_by_the_watchdog() -> None:
-    build = with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-balancer")
+    build = with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", board="balancer")
     hung = BalancerBench(open_board(BALANCER_BOARD, Implementation.HOST, build))
     hung.stand()
     hung.lean = 0.02

@@ -186,7 +186,7 @@ def test_a_sensor_that_has_reset_itself_is_noticed(joystick: Bench, sensor: Bno0
 
 
 def test_a_bus_that_stands_still_is_let_go_of() -> None:
-    board = open_board(JOYSTICK_BOARD, with_fault("stuck_bus", "parts_on_event", target="host-joystick"))
+    board = open_board(JOYSTICK_BOARD, with_fault("stuck_bus", "parts_on_event", board="joystick"))
     joystick = Bench(board)
     sensor = Bno055(joystick)
     run_until_running(joystick)

@@ -19,7 +19,7 @@ def fuzz_board(board: str, wanted: int, seed: int) -> BoardCounted:
     # Python itself is not sanitized: the runtime comes first, and Python's own leaks are not this test's business.
     # What Python frees shall not be kept for the sanitizer's sake either.
     options = "detect_leaks=0:quarantine_size_mb=1"
-    library = sanitized() / "host" / f"{board}.so"
+    [library] = sanitized(board)
     environment = os.environ | {"LD_PRELOAD": sanitizer_runtime(library), "ASAN_OPTIONS": options}
     command = [sys.executable, "-m", "tests.fuzz.board", str(library), f"{seed}/{board}", str(wanted)]
     return msgspec.json.decode(finished(command, env=environment, cwd=ROOT, check=True).stdout, type=BoardCounted)
