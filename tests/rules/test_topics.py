@@ -45,6 +45,8 @@ KEY = re.compile(
     # A name that can be nothing but a key.
     rf"|{'|'.join(topic.key for topic in topics.TOPICS if '_' in topic.key)}"
 )
+IN_KEYS = [f"{head}/" for head in (topics.ROOT, *HEADS)] + [topic.key for topic in topics.TOPICS if "_" in topic.key]
+"""A module without one of these, and without a declaration, writes no key."""
 DECLARATIONS = {
     "declare_publisher",
     "declare_subscriber",
@@ -68,7 +70,7 @@ def strings(tree: ast.AST) -> Iterator[str]:
 
 def written_keys(source: str) -> list[str]:
     """The string literals of a module that are keys, or that a declaration on a session takes for one."""
-    tree = ast.parse(source)
+    tree = ast.parse(source if any(word in source for word in (*IN_KEYS, *DECLARATIONS)) else "")
     declared = [
         first
         for node in ast.walk(tree)
