@@ -23,9 +23,9 @@ from tests.unit.cli.test_any_command import ASKING, ROBOTLESS, whole_commands
 from tests.unit.cli.typed import typed
 from tests.unit.docs.blocks import PAGES, Command, blocks, commands, hidden, mentioned, split
 from tests.unit.docs.outside import OUTSIDE
+from tests.unit.replay.drive import DRIVE, begin_of_the_drive
 
 DATA: Final = ROOT / "tests" / "data" / "optiodom"
-DRIVE: Final = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
 KNOWN: Final = cache(whole_commands)
 GIRAFF: Final = {"giraff", ".venv/bin/giraff", "/opt/giraff/bin/giraff"}
 IN_DOCKER: Final = ("docker-compose", "run", "--rm", "giraff")
@@ -47,7 +47,7 @@ RUN: Final = {
 """Commands that need files alone, and the option with which they do. The robot of `run` is replaced."""
 PLACEHOLDERS: Final = {"ADDRESS": "192.168.1.20", "HOST": "pi", "NAME": "anne", "ROBOT": "anne"}
 FILES: Final = {
-    **dict.fromkeys(("drive.mcap", "standing.mcap"), DRIVE),
+    "standing.mcap": DRIVE,
     "home.toml": ROOT / "deploy" / "worlds" / "flat.toml",
     "robot-b.csv": DATA / "square-b_metadata.csv",
     "monday/metadata.csv": DATA / "square-a_metadata.csv",
@@ -72,13 +72,23 @@ BEFORE: Final = {"docs/router.md": "giraff keys init"}
 Typed = Callable[..., tuple[int, str, str]]
 
 
-@pytest.fixture
-def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Typed:
-    """Type a command in a folder with the reader's files, on a network where no robot is."""
-    copytree(ROOT / "deploy", tmp_path / "deploy")
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with copies of the reader's files, of which no command changes one in its place."""
+    folder = tmp_path_factory.mktemp("files")
+    copytree(ROOT / "deploy", folder / "deploy")
     for name, source in FILES.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        copy(source, tmp_path / name)
+        (folder / name).parent.mkdir(exist_ok=True)
+        copy(source, folder / name)
+    begin_of_the_drive(folder / "drive.mcap", 5_000_000_000)
+    return folder
+
+
+@pytest.fixture
+def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, files: Path) -> Typed:
+    """Type a command in a folder with the reader's files, on a network where no robot is."""
+    for file in files.iterdir():
+        (tmp_path / file.name).symlink_to(file)
     (tmp_path / "cut-off.mcap").write_bytes(DRIVE.read_bytes()[:300_000])
     alone(monkeypatch, tmp_path)
     monkeypatch.setattr(giraff_cli.run.begin, "drive", lambda _plan: 0)
