@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
 from typing import cast
 
@@ -54,11 +55,12 @@ def heard(answer: ParamAnswer, at_ns: int) -> RawSample:
     return RawSample(at_ns, key, encode(answer), encoding_of(ParamAnswer))
 
 
-def drive_with(path: Path, *answers: tuple[float, ParamAnswer], **about: str) -> Path:
-    """The drive, recorded where its robot file was not, with what was told so many s after its beginning."""
+def drive_with(path: Path, seconds: float, *answers: tuple[float, ParamAnswer], **about: str) -> Path:
+    """So much of the drive, recorded where its robot file was not, with what was told so many s after its beginning."""
+    end_ns = next(ALL.samples()).heard_ns + seconds * 1e9
     samples = [
         RawSample(each.heard_ns, each.topic, each.payload, each.encoding)
-        for each in ALL.samples()
+        for each in takewhile(lambda each: each.heard_ns < end_ns, ALL.samples())
         if params_in(each) is None
     ]
     samples += [heard(answer, samples[0].at_ns + round(after * 1e9)) for after, answer in answers]
@@ -80,16 +82,17 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_the_services_told_is_gone_by_without_any_robot_file(tmp_path: Path) -> None:
-    path = drive_with(tmp_path / "told.mcap", (3.0, told("guard")), (3.0, told("odometry")))
+    path = drive_with(tmp_path / "told.mcap", 12.0, (3.0, told("guard")), (3.0, told("odometry")))
     assert Recording(path).tables()["guard"]["margin"] == 0.25
-    for key, each in {agreement.key: agreement for agreement in agreements(ALL, {})}.items():
-        assert shares(path)[key] == each
+    filed = shares(drive_with(tmp_path / "filed.mcap", 12.0, tables=ALL.about["tables"]))
+    assert shares(path) == filed
+    assert filed["cmd_vel"].compared > 500
 
 
 def test_what_was_set_meanwhile_counts_from_its_turn_on(tmp_path: Path) -> None:
     margin = 0.65
     told_late = drive_with(
-        tmp_path / "set.mcap", (3.0, told("guard")), (3.0, told("odometry")), (8.0, told("guard", margin=margin))
+        tmp_path / "set.mcap", 12.0, (3.0, told("guard")), (3.0, told("odometry")), (8.0, told("guard", margin=margin))
     )
     found = shares(told_late)["cmd_vel"]
     assert found.equal < found.compared, "the recorded guard had no such margin"
@@ -106,17 +109,11 @@ def test_what_no_service_can_have_told_is_named_and_not_gone_by(tmp_path: Path) 
     ]
     for index, answer in enumerate(forged):
         unread: dict[str, str] = {}
-        found = {
-            each.key: each
-            for each in agreements(
-                Recording(
-                    drive_with(tmp_path / f"{index}.mcap", (3.0, told("guard")), (3.0, told("odometry")), (8.0, answer))
-                ),
-                unread,
-            )
-        }
+        path = drive_with(tmp_path / f"{index}.mcap", 6.0, (3.0, told("guard")), (3.0, told("odometry")), (5.0, answer))
+        found = {each.key: each for each in agreements(Recording(path), unread)}
         assert list(unread) == ["param/guard"]
         assert found["cmd_vel"].share > 0.98
+        assert found["cmd_vel"].compared > 200
 
 
 def test_a_service_that_told_nothing_is_named(
@@ -124,7 +121,7 @@ def test_a_service_that_told_nothing_is_named(
 ) -> None:
     tables = {"tables": ALL.about["tables"], ASKED: "yes"}
     monkeypatch.setattr("giraff_cli.replay.runner.agreements", lambda *_: [Agreement(service="guard", key="guard")])
-    replay(drive_with(tmp_path / "silent.mcap", **tables), 0.98, as_json=False)
+    replay(drive_with(tmp_path / "silent.mcap", 6.0, **tables), 0.98, as_json=False)
     assert "guard did not tell its parameters; it is taken to have gone by the robot file" in capsys.readouterr().err
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import msgspec
@@ -10,6 +11,7 @@ import pytest
 
 from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odometry
+from giraff_cli.replay.runner import agreements
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.raw_sample import RawSample
@@ -39,16 +41,21 @@ def drive() -> Recording:
     return Recording(DRIVE)
 
 
-def said_in(
-    recording: Recording, wanted: Callable[[Sample, float], bool] = lambda _sample, _at: True
-) -> RecordedSamples:
-    """The samples of a recording that `wanted` takes, with when it was heard, s from the first."""
-    said = RecordedSamples()
+@cache
+def heard() -> list[tuple[Sample, float]]:
+    """The samples of the drive, with when each was heard, s from the first."""
+    recording = Recording(DRIVE)
     first_ns = next(recording.samples()).heard_ns
-    for recorded in recording.samples():
-        if topic_of(recorded.key) is None:  # what a service told of its parameters
-            continue
-        if wanted(sample := recorded.decode(), (recorded.heard_ns - first_ns) * 1e-9):
+    # What a service told of its parameters has no topic.
+    known = [recorded for recorded in recording.samples() if topic_of(recorded.key) is not None]
+    return [(recorded.decode(), (recorded.heard_ns - first_ns) * 1e-9) for recorded in known]
+
+
+def said_where(wanted: Callable[[Sample, float], bool] = lambda _sample, _at: True) -> RecordedSamples:
+    """The samples of the drive that `wanted` takes, with when it was heard, s from the first."""
+    said = RecordedSamples()
+    for sample, at in heard():
+        if wanted(sample, at):
             said.add(sample)
     return said
 
@@ -69,7 +76,7 @@ def test_the_drive_is_worth_a_replay(drive: Recording) -> None:
 
 
 def test_odometry_says_the_same_to_the_last_bit(drive: Recording) -> None:
-    found = replay_odometry(said_in(drive), OdometryConfig(), robot_of(drive))
+    found = replay_odometry(said_where(), OdometryConfig(), robot_of(drive))
     print(found)
     assert found.compared > 1500
     assert found.equal == found.compared
@@ -77,7 +84,7 @@ def test_odometry_says_the_same_to_the_last_bit(drive: Recording) -> None:
 
 
 def test_the_guard_says_the_same(drive: Recording) -> None:
-    found = guards(drive, said_in(drive))
+    found = guards(drive, said_where())
     print(found)
     assert found["cmd_vel"].compared > 900
     assert found["guard"].compared > 150
@@ -86,7 +93,7 @@ def test_the_guard_says_the_same(drive: Recording) -> None:
 
 
 def test_a_guard_that_was_running_already_is_replayed_from_where_its_memory_is_known(drive: Recording) -> None:
-    found = guards(drive, said_in(drive, lambda _sample, at: at > 6.0))
+    found = guards(drive, said_where(lambda _sample, at: at > 6.0))
     print(found)
     assert found["cmd_vel"].compared > 150
     assert found["cmd_vel"].left_out > 200
@@ -95,13 +102,13 @@ def test_a_guard_that_was_running_already_is_replayed_from_where_its_memory_is_k
 
 
 def test_a_recording_whose_first_tick_comes_late_knows_who_held_the_lease(drive: Recording) -> None:
-    found = guards(drive, said_in(drive, lambda sample, at: at > (6.1 if isinstance(sample, Tick) else 6.0)))
+    found = guards(drive, said_where(lambda sample, at: at > (6.1 if isinstance(sample, Tick) else 6.0)))
     assert found["lease"].compared > 50
     assert found["lease"].equal == found["lease"].compared
 
 
 def test_odometry_goes_on_behind_a_gap(drive: Recording) -> None:
-    said = said_in(drive, lambda sample, at: at > 3.0 and not (isinstance(sample, Wheels) and 8.0 < at < 9.0))
+    said = said_where(lambda sample, at: at > 3.0 and not (isinstance(sample, Wheels) and 8.0 < at < 9.0))
     found = replay_odometry(said, OdometryConfig(), robot_of(drive))
     assert found.compared > 1000
     assert found.equal == found.compared
@@ -111,12 +118,13 @@ def test_odometry_goes_on_behind_a_gap(drive: Recording) -> None:
     "changes", [{"margin": 0.5}, {"deceleration": 0.5}, {"idle_release": 0.1}, {"reaction_time": 0.5}]
 )
 def test_a_guard_that_judges_otherwise_shows(drive: Recording, changes: dict[str, float]) -> None:
-    assert min(agreement.share for agreement in guards(drive, said_in(drive), **changes).values()) < LEAST
+    said = said_where(lambda _sample, at: at < 12.0)
+    assert min(agreement.share for agreement in guards(drive, said, **changes).values()) < LEAST
 
 
 def test_odometry_of_other_wheels_shows(drive: Recording) -> None:
     robot = msgspec.structs.replace(robot_of(drive), track_width=0.471)
-    assert replay_odometry(said_in(drive), OdometryConfig(), robot).share < LEAST
+    assert replay_odometry(said_where(), OdometryConfig(), robot).share < LEAST
 
 
 Replay = Callable[..., tuple[int, str, str]]
@@ -170,7 +178,10 @@ def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Replay
     assert "record from its start, or for 21 s in which the robot goes 2 m" in complaint
 
 
-def test_the_command_tells_it(giraff_replay: Replay, tmp_path: Path) -> None:
+def test_the_command_tells_it(giraff_replay: Replay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is typed three times, and replays once."""
+    found = cache(lambda _path: agreements(Recording(DRIVE), {}))
+    monkeypatch.setattr("giraff_cli.replay.runner.agreements", lambda recording, *_: found(recording.path))
     code, text, complaint = giraff_replay(str(DRIVE))
     assert (code, complaint) == (0, "")
     assert "odometry" in text
