@@ -37,9 +37,9 @@ def test_it_says_hello_then_tells_of_its_wheels_100_times_a_second(base: BaseLin
     assert (hello.board, hello.protocol_hash) == (BoardKind.BASE, HASH)
     assert hello.boot_id > 0
     assert hello.reset_cause & ResetCause.POWER_ON
-    base.run(10.0)
+    base.run(4.0)
     told = base.all(WheelsFrame)
-    assert len(told) == pytest.approx(1000, abs=3)
+    assert len(told) == pytest.approx(400, abs=3)
     assert all((later.seq - earlier.seq) & 0xFFFF == 1 for earlier, later in itertools.pairwise(told))
     assert all(9_000 < later.board_us - earlier.board_us < 11_000 for earlier, later in itertools.pairwise(told))
     assert told[-1].board_us - told[0].board_us == pytest.approx((len(told) - 1) * 10_000, abs=1000)
@@ -95,11 +95,11 @@ def spin(line: BaseLine, edges_a_second: tuple[int, int], seconds: int) -> list[
 def test_20_000_edges_a_second_on_both_wheels_are_counted_exactly(base: BaseLine) -> None:
     base.start()
     began = base.wheels
-    wheels = spin(base, (20_000, -20_000), 10)
-    assert len(wheels) == pytest.approx(1005, abs=3)
+    wheels = spin(base, (20_000, -20_000), 4)
+    assert len(wheels) == pytest.approx(405, abs=3)
     assert all((later.seq - earlier.seq) & 0xFFFF == 1 for earlier, later in itertools.pairwise(wheels))
-    assert wheels[-1].left_ticks - began.left_ticks == 200_000
-    assert wheels[-1].right_ticks - began.right_ticks == -200_000
+    assert wheels[-1].left_ticks - began.left_ticks == 80_000
+    assert wheels[-1].right_ticks - began.right_ticks == -80_000
     # In passing, too: each telemetry frame is within the edges of its own instant.
     for earlier, later in itertools.pairwise(wheels[5:-10]):
         expected = (later.board_us - earlier.board_us) * 0.02
@@ -127,7 +127,7 @@ def test_edges_at_unequal_speeds_are_counted_exactly(base: BaseLine, edges_a_sec
     """At equal speeds the edges of each slice fall at the same few places: what goes wrong elsewhere stays unseen."""
     base.start()
     began = base.wheels
-    seconds = 4
+    seconds = 2
     ended = spin(base, edges_a_second, seconds)[-1]
     # Within one: the last edge is at the very end.
     assert ended.left_ticks - began.left_ticks == pytest.approx(seconds * edges_a_second[0], abs=1)

@@ -14,6 +14,7 @@ from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room, world_in
 from tests.support.wheels import wheels_of
 
+AVR, HOST = Implementation.AVR, Implementation.HOST
 MS = 1000
 ONLY_BASE = (BoardKind.BASE,)
 WIRINGS = [wiring for one in Wiring for wiring in (one, ~one)]
@@ -38,7 +39,7 @@ def driven_ms_after(line: BaseLine, fault_us: int) -> float:
     return 0.0 if last is None else (last - fault_us) / MS
 
 
-@pytest.mark.parametrize("level", [25, 70, -70])
+@pytest.mark.parametrize(("implementation", "level"), [(HOST, 25), (HOST, 70), (HOST, -70), (AVR, -70)])
 @pytest.mark.parametrize("wheel", [LEFT, RIGHT])
 def test_a_blocked_wheel_gets_pwm_for_half_a_second(base: BaseLine, wheel: int, level: int) -> None:
     base.start()
@@ -75,7 +76,7 @@ def test_a_cut_encoder_stops_the_robot_in_half_a_second_whenever_it_is_cut(base:
     assert longest <= STUCK_MS + 10, "but for the time of a drive frame on its line"
 
 
-@pytest.mark.parametrize("level", [12, -12, 35, 70])
+@pytest.mark.parametrize(("implementation", "level"), [(HOST, 12), (HOST, -12), (HOST, 35), (HOST, 70), (AVR, -12)])
 @pytest.mark.parametrize(
     ("soldered", "cause"),
     [
@@ -124,7 +125,7 @@ def test_an_encoder_that_turns_round_while_the_robot_drives_stops_it(base: BaseL
 
 def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
     for soldered in WIRINGS:
-        with simulation(world_in(empty_room()), ONLY_BASE, Implementation.HOST) as running:
+        with simulation(world_in(empty_room()), ONLY_BASE, HOST) as running:
             base = BaseLine(running)
             wheels_of(running.world).solder(soldered)
             base.start(wiring=soldered)
@@ -137,7 +138,9 @@ def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
             assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)
 
 
-@pytest.mark.parametrize("period_ms", [60, 140, 300, 900])
+@pytest.mark.parametrize(
+    ("implementation", "period_ms"), [(HOST, 60), (HOST, 140), (HOST, 300), (HOST, 900), (AVR, 60)]
+)
 def test_full_reversals_are_no_fault(base: BaseLine, period_ms: int) -> None:
     base.start()
     for _ in range(max(3, 2000 // period_ms)):
@@ -159,7 +162,7 @@ def test_a_reversal_to_any_level_while_the_robot_still_rolls_is_no_fault(base: B
         assert latch(base) is Latch.NONE, level
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(("implementation", "seed"), [(AVR, 0), (HOST, 1)])
 def test_whatever_a_healthy_robot_is_asked_is_no_fault(implementation: Implementation, seed: int) -> None:
     ask_whatever(implementation, seed)
 

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 from giraff_schemas.wire import BoardKind, ResetCause, TickFrame
@@ -37,20 +38,20 @@ def tick(line: Line, millisecond: int) -> None:
 def bytes_of(
     implementation: Implementation, kinds: Sequence[BoardKind], seed: int = 1, *, reset: BoardKind | None = None
 ) -> dict[BoardKind, str]:
-    """SHA-256 of what each board sends in a run of 4 s with noise, driving, a fault and a reset."""
+    """SHA-256 of what each board sends in a run of 3 s with noise, driving, a fault and a reset."""
     room = read_room(LIVING_ROOM)
     world = world_of(room, ROBOT, DRIVE, SimConfig(), DemoHand(room.waypoints, seed), seed)
     with simulation(world, tuple(kinds), implementation) as running:
         # The host's order is always the same: only the boards' own shall differ.
         lines = {kind: BaseLine(running) if kind is BoardKind.BASE else Line(running, kind) for kind in sorted(kinds)}
-        for millisecond in range(4000):
+        for millisecond in range(3000):
             for line in lines.values():
                 if isinstance(line, BaseLine):
                     drive(line, millisecond)
                 else:
                     tick(line, millisecond)
                 line.push()
-            if millisecond == 2500:
+            if millisecond == 1800:
                 world.sonars[0].fault = SonarFault.WILD
                 if reset is not None:
                     running.reset(reset, ResetCause.WATCHDOG)
@@ -61,21 +62,27 @@ def bytes_of(
         return {kind: hashlib.sha256(line.received).hexdigest() for kind, line in lines.items()}
 
 
+@cache
+def calm_bytes(implementation: Implementation) -> dict[BoardKind, str]:
+    """Those of all boards in a run without a reset, with which the other runs are compared."""
+    return bytes_of(implementation, ALL)
+
+
 def test_two_runs_are_alike_to_the_byte(implementation: Implementation) -> None:
-    assert bytes_of(implementation, ALL) == bytes_of(implementation, ALL)
+    assert calm_bytes(implementation) == bytes_of(implementation, ALL)
 
 
 def test_the_order_of_the_boards_does_not_matter(implementation: Implementation) -> None:
-    assert bytes_of(implementation, ALL) == bytes_of(implementation, ALL[::-1])
+    assert calm_bytes(implementation) == bytes_of(implementation, ALL[::-1])
 
 
 def test_a_board_alone_sends_what_it_sends_among_others(implementation: Implementation) -> None:
-    together = bytes_of(implementation, ALL)
-    assert bytes_of(implementation, (BoardKind.BASE,))[BoardKind.BASE] == together[BoardKind.BASE]
+    alone = bytes_of(implementation, (BoardKind.BASE,))
+    assert alone == {BoardKind.BASE: calm_bytes(implementation)[BoardKind.BASE]}
 
 
 def test_a_reset_of_one_board_leaves_the_others_bytes_alone(implementation: Implementation) -> None:
-    calm = bytes_of(implementation, ALL)
+    calm = calm_bytes(implementation)
     disturbed = bytes_of(implementation, ALL, reset=BoardKind.JOYSTICK)
     assert disturbed[BoardKind.BASE] == calm[BoardKind.BASE]
     assert disturbed[BoardKind.RANGER] == calm[BoardKind.RANGER]
@@ -83,6 +90,6 @@ def test_a_reset_of_one_board_leaves_the_others_bytes_alone(implementation: Impl
 
 
 def test_another_seed_is_another_run(implementation: Implementation) -> None:
-    first, second = bytes_of(implementation, ALL, seed=1), bytes_of(implementation, ALL, seed=2)
+    first, second = calm_bytes(implementation), bytes_of(implementation, ALL, seed=2)
     assert first[BoardKind.RANGER] != second[BoardKind.RANGER]
     assert first[BoardKind.JOYSTICK] != second[BoardKind.JOYSTICK]
