@@ -10,6 +10,7 @@ import pytest
 
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.topics import Query, Topic
+from tests.firmware.test_noise import throw_noise
 from tests.fuzz.board import BOARDS, require_harmless
 from tests.fuzz.boards import fuzz_board
 from tests.fuzz.growth import LIMIT, Growth
@@ -38,6 +39,10 @@ def test_ten_million_bytes_at_a_board(board: str, figures: dict[str, Any]) -> No
     counted = fuzz_board(board, BYTES, SEED)
     figures["boards"][board] = msgspec.to_builtins(counted)
     require_harmless(counted)
+
+
+def test_ten_minutes_of_noise_at_each_board() -> None:
+    throw_noise(600_000)
 
 
 @pytest.mark.parametrize("board", BOARDS)

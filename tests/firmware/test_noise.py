@@ -9,7 +9,6 @@ from giraff_sim.board import ROOT
 from tests.firmware.builds import sanitized
 from tests.support.tools import finished
 
-MILLISECONDS = 20_000
 SESSIONS = 60
 
 
@@ -29,8 +28,13 @@ def told_by(program: str, library: Path, *words: str) -> list[int]:
 
 
 def test_noise_does_nothing() -> None:
+    throw_noise(10_000)
+
+
+def throw_noise(milliseconds: int) -> None:
+    """Throw noise at each board, and look at what its program says."""
     libraries = sanitized("base", "joystick", "ranger", "balancer")
-    line_errors = told_by("noise", libraries[0], str(MILLISECONDS), *map(str, libraries))
+    line_errors = told_by("noise", libraries[0], str(milliseconds), *map(str, libraries))
     assert [errors > 100 for errors in line_errors] == [True] * len(libraries)
 
 
