@@ -80,7 +80,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, source in FILES.items():
         (folder / name).parent.mkdir(exist_ok=True)
         copy(source, folder / name)
-    begin_of_the_drive(folder / "drive.mcap", 5_000_000_000)
+    begin_of_the_drive(folder / "drive.mcap", 3_000_000_000)
     return folder
 
 
