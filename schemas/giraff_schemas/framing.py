@@ -47,6 +47,8 @@ class Decoder:
 
     def feed(self, data: bytes) -> list[Frame]:
         """The frames that end in data, in their order."""
+        if not data:
+            return []
         *ended, unfinished = (self._unfinished + data).split(b"\0")
         # One byte too many is enough to know a frame for too long.
         self._unfinished = unfinished[: self._longest_encoded + 1]

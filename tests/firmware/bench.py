@@ -56,9 +56,9 @@ class Bench:
             self.before_each_ms()
             self.now_ms += 1
             self.board.run(self.now_ms * 1000)
-            frames = self._decoder.feed(self.board.read())
-            self.frames += frames
-            self.arrived_ms += [self.now_ms] * len(frames)
+            if frames := self._decoder.feed(self.board.read()):
+                self.frames += frames
+                self.arrived_ms += [self.now_ms] * len(frames)
 
     def send(self, frame: Frame) -> None:
         self.send_bytes(encode(frame.pack()))
@@ -74,7 +74,7 @@ class Bench:
         return [at for at, frame in zip(self.arrived_ms, self.frames, strict=True) if isinstance(frame, kind)]
 
     def last(self, kind: type[FrameT]) -> FrameT:
-        return self.all(kind)[-1]
+        return next(frame for frame in reversed(self.frames) if isinstance(frame, kind))
 
     def forget(self) -> None:
         """Begin to collect anew."""
@@ -181,14 +181,15 @@ class SpeedBench(BaseBench):
         (board or self.board).model.battery_volts = (volts / count + 0.5) * 5 / 1024
 
     def _turn(self) -> None:
+        most, moved = self.robot.max_wheel_speed / BY_SPEED.max_level, self.robot.ticks_per_metre * 2 / 1000
         for number, motor in enumerate(self.model.motor):
-            hand = self.hands[number]
-            full = self.robot.max_wheel_speed / BY_SPEED.max_level * self.strength[number]
-            aim = motor.drive * full * self._voltage_ratio + self.pull[number]
-            self.speed[number] += (aim - self.speed[number]) / _MOTOR_MS
-            if hand is not None:
-                self.speed[number] = hand(self.now_ms)
-            motor.position += self.speed[number] * self.robot.ticks_per_metre * 2 / 1000
+            if (hand := self.hands[number]) is not None:
+                speed = hand(self.now_ms)
+            else:
+                aim = motor.drive * most * self.strength[number] * self._voltage_ratio + self.pull[number]
+                speed = self.speed[number] + (aim - self.speed[number]) / _MOTOR_MS
+            self.speed[number] = speed
+            motor.position += speed * moved
 
     def configure_frame(self, **changes: int) -> ConfigureFrame:
         wheels = self.wheels()

@@ -71,8 +71,9 @@ class Line:
 
     def take(self, data: bytes, at_us: int) -> None:
         """Take what has been read of the board elsewhere, at a simulated us."""
-        self.received += data
-        self.frames += ((at_us, frame) for frame in self._decoder.feed(data))
+        if data:
+            self.received += data
+            self.frames += [(at_us, frame) for frame in self._decoder.feed(data)]
 
     def run(self, seconds: float, each_step: Callable[[], None] | None = None) -> None:
         for _ in range(round(seconds * 1000)):
@@ -84,8 +85,8 @@ class Line:
         return [frame for _, frame in self.frames if isinstance(frame, kind)]
 
     def last(self, kind: type[FrameT]) -> FrameT:
-        """The newest frame of a kind; an IndexError when there was none."""
-        return self.all(kind)[-1]
+        """The newest frame of a kind; there must have been one."""
+        return next(frame for _, frame in reversed(self.frames) if isinstance(frame, kind))
 
 
 class BaseLine(Line):
