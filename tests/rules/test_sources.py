@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ MACHINE_PATH = re.compile(r"(?<![\w.])/(wo" r"rk|ro" r"ot)/")
 REGISTRY = re.compile(r"(py" r"pi\.org|python" r"hosted\.org|npm" r"js\.(org|com)|deb\.deb" r"ian\.org)")
 
 
+@cache
 def text_of(path: Path) -> str:
     """A file's text; empty for one that is not text."""
     try:
@@ -59,7 +61,7 @@ def test_no_name_says_nothing() -> None:
 
 
 def test_no_source_file_is_too_long_to_read() -> None:
-    lengths = {name(path): len(path.read_text().splitlines()) for path in sources(*CODE)}
+    lengths = {name(path): len(text_of(path).splitlines()) for path in sources(*CODE)}
     assert {path: lines for path, lines in lengths.items() if lines > MAX_LINES} == {}
 
 
@@ -162,7 +164,7 @@ def loopholes(source: str) -> list[str]:
 
 
 def test_every_test_passes_or_fails() -> None:
-    found = {name(path): loopholes(path.read_text()) for path in sources(".py", under=("tests",))}
+    found = {name(path): loopholes(text_of(path)) for path in sources(".py", under=("tests",))}
     assert {path: words for path, words in found.items() if words} == {}
 
 
