@@ -21,7 +21,8 @@ DRIVES = {
     338: (10.0, "backward towards a slanted wall, rear deaf, turned to it squarely"),
 }
 """By seed: until when (s), soon after what it is for. A guard that trusts a silent sensor, and holds nothing, touches
-above 0.5 m/s in 17, 43 and 338, in 43 what it would have heard; one that holds 0.3 m beside the way does at 0.19 m/s in 338."""
+above 0.5 m/s in 17, 43 and 338, in 43 what it would have heard. One that holds 0.3 m beside the way touches at 0.19 m/s
+in 338."""
 
 
 @pytest.mark.parametrize("seed", DRIVES)
