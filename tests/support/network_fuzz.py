@@ -18,7 +18,7 @@ from tests.fuzz.growth import Growth
 from tests.fuzz.keys import KEYS, REQUESTS
 from tests.fuzz.params import BY, PARAM_KEYS, Truths, changes, require_no_looser, truths_of
 from tests.fuzz.payloads import payload
-from tests.support.process_robot import FULL_TILT, PATIENCE, SERVICES, ProcessRobot
+from tests.support.process_robot import BRIEF, FULL_TILT, PATIENCE, SERVICES, ProcessRobot
 from tests.unit.schemas.samples import an_example
 
 RATE: Final = 1000.0
@@ -91,7 +91,7 @@ def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     chance = random.Random(f"{seed}/network")
     robot.start(MOTION.name)
     parameters = Parameters(robot)
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
     robot.arm()
     # Base says so before its board has heard of it.
     robot.wait("motors that stand", lambda: not robot.drives(), PATIENCE)
@@ -114,8 +114,10 @@ def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     assert robot.giraff("estop", "reset") == 0
     driven_ms = robot.simulator.record(since_us).driven_ms
     tightened = parameters.take_back()
-    robot.drive(0.0, FULL_TILT)  # the way out that guard names, where it was told of something that touches a sensor
-    robot.drive_forward()
+    robot.drive(
+        0.0, FULL_TILT, BRIEF
+    )  # the way out that guard names, where it was told of something that touches a sensor
+    robot.drive_forward(BRIEF)
     counted = NetworkCounted(
         payloads=sent,
         driven_ms=driven_ms,

@@ -69,6 +69,8 @@ SAID: Final = frozenset(
     if "*" not in topic.key and topic is not ATTITUDE
 )
 """Keys of one name that the robot's parts and its joystick say, where it stands on two wheels by itself."""
+BRIEF: Final = 0.3
+"""s of a drive that shows no more than that it drives."""
 PATIENCE: Final = 60.0
 """s for whatever comes about: a wait ends at once when it does, and a busy machine is slow."""
 _LEVEL: Final = 1.5
@@ -300,8 +302,8 @@ class ProcessRobot:
                     return
             assert time.monotonic() - began < PATIENCE, f"does not drive for {seconds:g} s{self._last_words()}"
 
-    def drive_forward(self) -> None:
-        self.drive(FULL_TILT, 0.0)
+    def drive_forward(self, seconds: float = 1.5) -> None:
+        self.drive(FULL_TILT, 0.0, seconds)
 
     def move_forward(self, seconds: float) -> None:
         """Have `giraff move`, "requester", move the robot, for so long by the simulator's time so far.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import zenoh
 
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, RANGE
-from tests.support.process_robot import ProcessRobot
+from tests.support.process_robot import BRIEF, ProcessRobot
 
 RECORDED = (OPERATOR_CMD_VEL, CMD_VEL, RANGE)
 """Everything that a drive is made of."""
@@ -33,7 +33,7 @@ def record_drive(robot: ProcessRobot, seconds: float) -> list[Said]:
 
     for topic in RECORDED:
         robot.observer.listen_raw(topic, hear)
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
     robot.run(seconds)
     return list(said)
 

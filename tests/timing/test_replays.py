@@ -21,7 +21,7 @@ def test_a_recorded_drive_moves_nothing_however_late_it_is(tmp_path: Path) -> No
         directory = tmp_path / f"{late:g}"
         directory.mkdir()
         with process_robot(directory, ARENA) as robot:
-            said = record_drive(robot, 0.5)
+            said = record_drive(robot, 1.7)
             robot.kill("joystick")  # nobody but the recording speaks for the hand
             robot.run(0.5)
             since_us = robot.simulator.now()

@@ -27,13 +27,15 @@ from giraff_viewer.colours import CONES, ELLIPSE, PATH, ROBOT, TRUTH
 from giraff_viewer.scene import stock
 from tests.functional.desk.seen import Floor, has_popup
 from tests.functional.desk.views import await_viewer, view, viewing
+from tests.support.desk import Desk
 from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import ProcessRobot
 from tests.unit.replay.drive import begin_of_the_drive
 
 pytestmark = pytest.mark.timeout(240)
 
-
+NOWHERE = "127.0.0.1:1"
+"""Nobody is on the network of who looks at a recording."""
 TO_THE_WALL_NS = 11_000_000_000
 """Of the recorded drive: the robot backs, drives ahead until a wall stops it, and has not heard its rear for long."""
 
@@ -61,9 +63,9 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_a_recording_is_seen_with_robot_path_and_cones(robot: ProcessRobot, recording: Path, tmp_path: Path) -> None:
+def test_a_recording_is_seen_with_robot_path_and_cones(recording: Path, tmp_path: Path) -> None:
     picture = tmp_path / "view.png"
-    done = view(robot, str(recording), "--picture", str(picture), "--json")
+    done = view(Desk(tmp_path, NOWHERE), str(recording), "--picture", str(picture), "--json")
     assert (done.returncode, done.stderr) == (0, "")
     counts = sum(count.samples for key, count in Recording(recording).counts.items() if topic_of(key) is not None)
     assert msgspec.json.decode(done.stdout) == {
@@ -115,12 +117,10 @@ def newest_yaw(recording: Path) -> float:
     return odometry.yaw
 
 
-def test_a_recording_that_is_cut_off_is_shown_as_far_as_it_goes(
-    robot: ProcessRobot, recording: Path, tmp_path: Path
-) -> None:
+def test_a_recording_that_is_cut_off_is_shown_as_far_as_it_goes(recording: Path, tmp_path: Path) -> None:
     cut, out = tmp_path / "cut.mcap", tmp_path / "out.rrd"
     cut.write_bytes(recording.read_bytes()[:-3000])
-    done = view(robot, str(cut), "--save", str(out))
+    done = view(Desk(tmp_path, NOWHERE), str(cut), "--save", str(out))
     assert done.returncode == 0
     assert "cut off" in done.stderr
 
@@ -147,7 +147,7 @@ def test_a_live_robot_is_saved(robot: ProcessRobot) -> None:
 
 
 def test_what_is_heard_is_in_the_viewer(robot: ProcessRobot) -> None:
-    done = view(robot, "--picture", "live.png", "--for", "4")
+    done = view(robot, "--picture", "live.png", "--for", "2")
     assert done.returncode == 0, done
     assert Floor(robot.directory / "live.png").count(ROBOT) > 100
     assert not has_popup(robot.directory / "live.png")

@@ -6,22 +6,31 @@ import contextlib
 import os
 import signal
 import subprocess
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Protocol
 
 import psutil
 
 from tests.support.elsewhere import GIRAFF
-from tests.support.process_robot import ProcessRobot
 from tests.support.waiting import wait
 
 
-def view(robot: ProcessRobot, *words: str, timeout: float = 200.0) -> subprocess.CompletedProcess[str]:
+class Place(Protocol):
+    """Where the command is called: beside a robot, or at a desk."""
+
+    directory: Path
+
+    @property
+    def environment(self) -> Mapping[str, str]: ...
+
+
+def view(place: Place, *words: str, timeout: float = 200.0) -> subprocess.CompletedProcess[str]:
     """The command, once it has ended: with more patience than it has itself with a slow viewer."""
     return subprocess.run(
         [str(GIRAFF), "view", *words],
-        cwd=robot.directory,
-        env=screenless(robot),
+        cwd=place.directory,
+        env=screenless(place),
         check=False,
         capture_output=True,
         text=True,
@@ -29,16 +38,16 @@ def view(robot: ProcessRobot, *words: str, timeout: float = 200.0) -> subprocess
     )
 
 
-def screenless(robot: ProcessRobot) -> dict[str, str]:
-    return {name: value for name, value in robot.environment.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+def screenless(place: Place) -> dict[str, str]:
+    return {name: value for name, value in place.environment.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
 
 
 @contextlib.contextmanager
-def viewing(robot: ProcessRobot, *words: str) -> Iterator[subprocess.Popen[str]]:
+def viewing(place: Place, *words: str) -> Iterator[subprocess.Popen[str]]:
     """The command, while it goes on; it and what it has started are ended with the block."""
     command = [str(GIRAFF), "view", *words]
     streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, cwd=robot.directory, env=screenless(robot), **streams) as process:
+    with subprocess.Popen(command, cwd=place.directory, env=screenless(place), **streams) as process:
         try:
             yield process
         finally:

@@ -32,7 +32,7 @@ def kept(robot: ProcessRobot, incident: str) -> list[Recording]:
 
 def test_a_stop_and_a_death_are_kept_with_what_came_before(robot: ProcessRobot) -> None:
     robot.drive_forward()
-    robot.run(5.0)
+    robot.run(2.0)
     assert kept(robot, STOPPED) == []
     assert robot.giraff("estop", "engage", "--reason", "a cat") == 0
     robot.wait("the file of the stop", lambda: kept(robot, STOPPED), 60.0)

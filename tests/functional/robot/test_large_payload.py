@@ -16,7 +16,7 @@ from giraff_node.config.robot_file import load
 from giraff_node.network.session import close_session, session_config
 from giraff_schemas.health import Health
 from giraff_schemas.topics import GUARD, TICK, health_key, key_below, key_of
-from tests.support.process_robot import ARENA, PATIENCE, ProcessRobot, process_robot
+from tests.support.process_robot import ARENA, BRIEF, PATIENCE, ProcessRobot, process_robot
 
 NAME = "sim-test"
 PAYLOAD = 60_000_000  # bytes
@@ -83,13 +83,13 @@ def test_a_payload_as_large_as_somebody_likes_costs_base_and_guard_nothing(tmp_p
         key = key_below(NAME, "**")
         with receiver.declare_subscriber(key, lambda sample: lengths.append(len(sample.payload))):
             wait_for_links_to_base_and_guard(robot, sender)
-            robot.drive_forward()
+            robot.drive_forward(BRIEF)
             before = healths(robot, sender)
             peaks = {service: peak_of(health.pid) for service, health in before.items()}
             sender.put(key, bytes(PAYLOAD), congestion_control=zenoh.CongestionControl.BLOCK)
             robot.wait("the payload at who takes it", lambda: PAYLOAD in lengths, PATIENCE)
             after = healths(robot, sender)
-        robot.drive_forward()
+        robot.drive_forward(BRIEF)
         robot.require_all()
         assert {name: (one.pid, one.instance) for name, one in after.items()} == {
             name: (one.pid, one.instance) for name, one in before.items()

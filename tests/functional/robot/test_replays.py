@@ -10,7 +10,7 @@ import pytest
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
-from tests.support.process_robot import ARENA, FULL_TILT, PATIENCE, ProcessRobot, process_robot
+from tests.support.process_robot import ARENA, BRIEF, FULL_TILT, PATIENCE, ProcessRobot, process_robot
 from tests.support.replays import record_drive, say_again
 
 LATE = 2.5
@@ -19,12 +19,12 @@ LATE = 2.5
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    with process_robot(tmp_path_factory.mktemp("robot"), ARENA) as made:
+    with process_robot(tmp_path_factory.mktemp("robot"), ARENA, boards="host") as made:
         yield made
 
 
 def test_a_drive_that_is_said_again_moves_nothing_with_or_without_its_makers(robot: ProcessRobot) -> None:
-    said = record_drive(robot, 0.2)
+    said = record_drive(robot, 0.5)
     robot.arm()  # the very operator whose words they are holds the hand level, and could drive at any moment
     robot.wait("rest after the drive itself", lambda: not robot.drives(), PATIENCE)
     since_us = robot.simulator.now()
@@ -41,7 +41,7 @@ def test_a_drive_that_is_said_again_moves_nothing_with_or_without_its_makers(rob
     assert robot.simulator.record(since_us).driven_ms == 0
     for service in ("joystick", "guard", "ranger"):
         robot.start(service)
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
 
 
 def ask(robot: ProcessRobot, request: EStopEngage | EStopReset) -> EStopAnswer:
@@ -80,7 +80,7 @@ def clear(robot: ProcessRobot, latch: int) -> EStopReset:
 def test_a_reset_that_is_said_again_clears_nothing_and_one_that_counts_moves_nothing(robot: ProcessRobot) -> None:
     for topic in (TICK, ESTOP):
         robot.observer.follow(topic)
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
     first = ask(robot, EStopEngage(by="test", reason="first"))
     assert (first.done, first.engaged) == (True, True)
     since_us = robot.simulator.now() + 350_000
@@ -96,7 +96,7 @@ def test_a_reset_that_is_said_again_clears_nothing_and_one_that_counts_moves_not
     assert (again.done, again.engaged) == (False, True), again
     assert robot.simulator.record(since_us).driven_ms == 0
     clear(robot, second.id)
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
 
 
 def test_a_second_joystick_of_the_same_name_moves_nothing(robot: ProcessRobot) -> None:

@@ -14,14 +14,14 @@ from giraff_cli.run.processes import ProcessGroup
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import HelloFrame
 from giraff_sim.control.messages import BoardName
-from tests.support.process_robot import PATIENCE, ProcessRobot, process_robot
+from tests.support.process_robot import BRIEF, PATIENCE, ProcessRobot, process_robot
 
 BOARDS: tuple[BoardName, ...] = ("base", "joystick", "ranger")
 
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    with process_robot(tmp_path_factory.mktemp("robot")) as made:
+    with process_robot(tmp_path_factory.mktemp("robot"), boards="host") as made:
         yield made
 
 
@@ -31,7 +31,7 @@ def test_a_replugged_base_board_is_back(robot: ProcessRobot) -> None:
     robot.simulator.plug("base")
     accepted = robot.accepted()
     robot.wait("an accepted frame after the replug", lambda: robot.accepted() != accepted, PATIENCE)
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
     robot.hold(0.0, 0.0)
 
 
