@@ -72,6 +72,14 @@ class Screen:
     def type(self, data: bytes) -> None:
         os.write(self._master, data)
 
+    def fill(self) -> None:
+        """Write into it, beside the program, until it takes no more: nobody reads it."""
+        beside = os.open(os.ttyname(self._slave), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
+        with suppress(BlockingIOError):
+            while True:
+                os.write(beside, bytes(1024))
+        os.close(beside)
+
     def hang_up(self) -> None:
         """Close the terminal, as a closed window does."""
         os.close(self._slave)

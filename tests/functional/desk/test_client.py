@@ -20,11 +20,14 @@ from typing import Any
 
 import pytest
 
+from giraff_cli.network.ports import free_port
 from giraff_client import EmergencyStopError, NoRobotError, Robot, RobotError, SilentError, TakenError
 from giraff_core.kinematics.pose import Pose
+from giraff_core.network import NetworkConfig
 from giraff_node.network.session import LEASE as LINK_LEASE
+from giraff_node.network.session import close_session, open_session
 from giraff_schemas.messages import Odometry
-from giraff_schemas.topics import GUARD, LEASE
+from giraff_schemas.topics import GUARD, LEASE, alive_key
 from tests.functional.desk.scripts import PATIENCE, example, first_line, is_free
 from tests.support.examples import HALL, first_of_the_page
 from tests.support.locating import locating
@@ -66,6 +69,21 @@ def script(named: ProcessRobot) -> Iterator[Robot]:
     named.wait("nobody who drives", lambda: is_free(named), PATIENCE)
     with Robot(patience=PATIENCE) as it:
         yield it
+
+
+def test_where_there_is_no_robot_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another one is there."""
+    network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
+    monkeypatch.setenv("GIRAFF_NETWORK_RENDEZVOUS", network.rendezvous)
+    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
+    session = open_session(network, "sim-test", "door")
+    with (
+        session.liveliness().declare_token(alive_key("sim-test", "base", "there")),
+        pytest.raises(NoRobotError, match=r"no robot called nobody is heard .*--robot sim-test"),
+        Robot("nobody", patience=2.0),
+    ):
+        pass
+    assert close_session(session)
 
 
 def drive_on(robot: Robot, linear_x: float, angular_z: float) -> None:
@@ -231,19 +249,10 @@ def test_a_script_that_is_no_more_stops_the_robot(alone: ProcessRobot, how: sign
             alone.wait("standstill", lambda: not alone.drives(), PATIENCE)
             alone.run(0.5)  # until nothing that it has said is on its way any more
             ended_us = alone.simulator.now()
-            alone.run(1.5)
+            alone.run(0.8)
             assert alone.simulator.record(ended_us).driven_ms == 0
         finally:
             script.kill()
-
-
-@pytest.mark.usefixtures("named")
-def test_where_there_is_no_robot_it_says_so() -> None:
-    with (
-        pytest.raises(NoRobotError, match=r"no robot called nobody is heard .*--robot sim-test"),
-        Robot("nobody", patience=2.0),
-    ):
-        pass
 
 
 def waits_of_links() -> list[int]:
@@ -276,8 +285,8 @@ def test_it_knows_where_a_sensor_was(script: Robot) -> None:
 def test_it_draws_the_path_that_another_drives(named: ProcessRobot, script: Robot) -> None:
     def draws_a_way() -> bool:
         """A machine that stands still may have stopped the robot for all of these seconds."""
-        named.simulator.place(0.0, -2.0)
-        with example(named, "plot_path.py", "3", "path.svg") as drawing:
+        named.simulator.place(3.0, -2.0)  # both sensors at the front hear the wall, as where it comes from
+        with example(named, "plot_path.py", "2", "path.svg") as drawing:
             while drawing.poll() is None:
                 drive_on(script, 0.2, 0.3)
             assert drawing.returncode == 0, drawing.communicate()
@@ -375,7 +384,7 @@ def test_odometry_is_told_where_the_robot_is(named: ProcessRobot, script: Robot)
 
 def test_where_no_odometry_runs_it_is_told(named: ProcessRobot) -> None:
     named.kill("odometry")
-    assert named.giraff("odom", "reset") == 2
+    assert named.giraff("odom", "reset", "--timeout", "1") == 2
     with Robot(patience=PATIENCE) as robot:
         robot._patience = 1.0  # which was for the robot to be found
         with pytest.raises(RobotError, match=r"check that giraff_odometry runs|no tick of the robot"):

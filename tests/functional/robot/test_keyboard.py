@@ -55,6 +55,7 @@ def test_it_takes_arms_drives_and_stops_by_the_space_bar(robot: ProcessRobot) ->
         assert robot.simulator.record(confirmed_us + 350_000).driven_ms == 0  # the board's own time-out is 0.3 s
 
         assert robot.giraff("estop", "reset") == 0
+        take(shown)
         drive_by(robot, shown, b"s")
         shown.type(b"\x03")
         assert shown.ended(PATIENCE) == 0
@@ -91,7 +92,9 @@ def test_giraff_drive_takes_arms_drives_stops_and_releases_on_one_screen_without
 def test_a_terminal_that_takes_nothing_holds_up_neither_the_stop_nor_the_end(robot: ProcessRobot) -> None:
     with drive(robot) as shown:
         take(shown)
-        robot.run(5.0)  # it shows 20 kB in a second, and the kernel keeps 64 for who does not read
+        shown.fill()
+        robot.run(1.0)  # it shows something new each moment
+        shown.fill()
         shown.type(b" ")
         robot.wait("the emergency stop", lambda: latch_of(robot) == "estop", PATIENCE)
         shown.type(b"\x03")
@@ -115,6 +118,7 @@ def test_what_is_typed_pasted_or_torn_while_it_sleeps_or_not_moves_nothing(robot
         robot.run(1.0)
         assert robot.simulator.record(began_us).driven_ms == 0
         assert "ENGAGED" not in shown.text, "it could not have moved anyway"
+        take(shown)
         drive_by(robot, shown, b"w")
         shown.process.kill()
         assert stands_still(robot), "it drives on without a keyboard"
