@@ -23,6 +23,9 @@ def standing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]
 def robot(standing: ProcessRobot) -> ProcessRobot:
     """That robot as each file finds it: armed in the middle of the room, by a level hand."""
     standing.simulator.place(0.0, 0.0)
-    if not standing.ready():
+    says = standing.simulator.state().base
+    if says is None or says.latch != "none":
         standing.release()
+    else:
+        standing.arm()
     return standing

@@ -5,6 +5,9 @@ What they say without a robot, beside two, and of what a robot has not: tests/un
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from giraff_cli.network.ports import free_port
 from giraff_schemas.topics import alive_key
 from tests.support.desk import Desk, run_beside
 from tests.support.process_robot import ProcessRobot
@@ -17,8 +20,8 @@ WRITING: tuple[Words, ...] = (("topic", "list"), ("replay", str(DRIVE)))
 """On the network and without it. tests/functional/one_robot/test_watch.py has one that writes line by line."""
 
 
-def test_with_no_robot_it_says_so(desk: Desk) -> None:
-    done = desk.alone().run("estop", "engage", "--robot", "sim-test", "--timeout", "1")
+def test_with_no_robot_it_says_so(tmp_path: Path) -> None:
+    done = Desk(tmp_path, f"127.0.0.1:{free_port()}").run("estop", "engage", "--robot", "sim-test", "--timeout", "1")
     assert (done.returncode, done.stdout) == (2, "")
     assert "NOT CONFIRMED after 1 s" in done.stderr
     assert "use the battery switch" in done.stderr
@@ -34,10 +37,14 @@ def test_with_two_robots_it_lists_them(robot: ProcessRobot, desk: Desk) -> None:
 
 
 def test_a_robot_that_is_not_there_is_named_with_those_that_are(desk: Desk) -> None:
-    done = desk.run("topic", "list", "--robot", "otto")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "otto" in done.stderr
-    assert "--robot sim-test" in done.stderr
+    asked: tuple[Words, ...] = (("topic", "list"), ("why",))
+    listed, why = run_beside(lambda words: desk.run(*words, "--robot", "otto"), asked).values()
+    assert (listed.returncode, listed.stdout) == (2, "")
+    assert "otto" in listed.stderr
+    assert "--robot sim-test" in listed.stderr
+    assert why.returncode == 2
+    assert "no robot called otto is heard on the network; check that it is on" in why.stderr
+    assert why.stderr.rstrip().endswith("on the network: --robot sim-test")
 
 
 AFRESH: tuple[Words, ...] = (

@@ -8,11 +8,11 @@ from contextlib import ExitStack
 
 from giraff_core.estop.request import BY_WORD
 from tests.support.elsewhere import giraff
-from tests.support.process_robot import FULL_TILT, PATIENCE, ProcessRobot
+from tests.support.process_robot import BRIEF, FULL_TILT, PATIENCE, ProcessRobot
 
 
 def test_it_stops_stays_stopped_and_is_reset_for_a_level_hand_only(robot: ProcessRobot) -> None:
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
     told = giraff(robot, "estop", "sim-test", "--reason", "a cat", name=None)
     stopped_us = robot.simulator.now() + 350_000  # the board's own time-out is 0.3 s
     assert (told.returncode, told.stderr) == (0, "")
@@ -32,7 +32,7 @@ def test_it_stops_stays_stopped_and_is_reset_for_a_level_hand_only(robot: Proces
     robot.run(1.0)
     assert robot.simulator.record(stopped_us).driven_ms == 0, "the robot moved before a level hand"
     assert giraff(robot, "estop", "status").returncode == 0
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
 
 
 ODD = ("giraff/a b/alive/base/x", "giraff/\x1b[2J/alive/base/x", "giraff/**")
@@ -63,7 +63,7 @@ def test_it_survives_a_restart_and_is_engaged_without_a_name(robot: ProcessRobot
 
 
 def test_a_broken_robot_file_stops_no_stop(robot: ProcessRobot) -> None:
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
     file = robot.directory / "nowhere" / "deploy" / "robot.toml"
     file.parent.mkdir(parents=True)
     file.write_bytes(b'# K\xfcche\n[robot]\nname = "other\n')

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_mcap.reading import Recording
 from giraff_schemas.messages import EStop
-from tests.support.process_robot import SAID, ProcessRobot
+from tests.support.process_robot import BRIEF, SAID, ProcessRobot
 
 STOPPED = "emergency stop by "
 
@@ -31,7 +31,7 @@ def kept(robot: ProcessRobot, incident: str) -> list[Recording]:
 
 
 def test_a_stop_and_a_death_are_kept_with_what_came_before(robot: ProcessRobot) -> None:
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
     robot.run(2.0)
     assert kept(robot, STOPPED) == []
     assert robot.giraff("estop", "engage", "--reason", "a cat") == 0

@@ -14,7 +14,7 @@ from pathlib import Path
 import msgspec
 
 from tests.support.elsewhere import GIRAFF, end, line_that, watching
-from tests.support.process_robot import PATIENCE, SERVICES, ProcessRobot
+from tests.support.process_robot import BRIEF, PATIENCE, SERVICES, ProcessRobot
 from tests.support.terminals import Screen, screen
 from tests.support.waiting import wait
 
@@ -44,7 +44,7 @@ def line_of(process: subprocess.Popen[str], words: str, act: Callable[[], object
 def drive(robot: ProcessRobot) -> None:
     """Drive forward from the middle of the room."""
     robot.simulator.place(0.0, 0.0)
-    robot.drive_forward()
+    robot.drive_forward(BRIEF)
 
 
 def test_a_terminal_shows_the_robot_and_is_given_back(robot: ProcessRobot) -> None:

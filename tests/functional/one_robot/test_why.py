@@ -47,10 +47,3 @@ def test_a_process_that_is_missing_is_named(robot: ProcessRobot) -> None:
     robot.kill("guard")
     assert "start " in conclusion(wait_for(robot, 1, "guard: "))
     robot.start("guard")
-
-
-def test_without_a_robot_it_says_so(robot: ProcessRobot) -> None:
-    told = giraff(robot, "why", name="otto")
-    assert told.returncode == 2
-    assert "no robot called otto is heard on the network; check that it is on" in told.stderr
-    assert told.stderr.rstrip().endswith("on the network: --robot sim-test")
