@@ -7,7 +7,7 @@ from pathlib import Path
 from tests.support.network_fuzz import fuzz_network
 from tests.support.process_robot import ARENA, process_robot
 
-PAYLOADS = 60
+PAYLOADS = 40
 """At each key."""
 
 
