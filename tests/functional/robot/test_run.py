@@ -25,7 +25,7 @@ from tests.support.terminals import screen
 from tests.support.typist import hold, take
 
 BACK_AND_FORTH = "t,x,y,z\n0,0,0,9.81\n" + "".join(
-    f"{at + 1},{tilt},0,8.4\n{at + 3},{tilt},0,8.4\n{at + 3.5},0.1,0,9.81\n{at + 4},0,0,9.81\n"
+    f"{at + 1},0,0,9.81\n{at + 1.3},{tilt},0,8.4\n{at + 3.7},{tilt},0,8.4\n{at + 4},0,0,9.81\n"
     for at, tilt in zip(range(0, 480, 4), (5, -5) * 60, strict=True)
 )
 """A hand that is level again and again: what has been stopped goes on."""
