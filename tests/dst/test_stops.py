@@ -37,10 +37,10 @@ from tests.dst.stage import BACKWARD, FORWARD, SET_OFF, SETTINGS, at, hall, stag
 from tests.support.floods import FloodingJoystick
 
 LEFT: Final[Vector] = (0.0, 4.0, 8.96)
-FAULT: Final = 2.1
-"""s; the robot drives for half a second by then."""
-WATCHED: Final = 1.0
-"""s after the bound."""
+FAULT: Final = 1.9
+"""s; the robot drives for a third of a second by then."""
+WATCHED: Final = 0.3
+"""s after the bound; test_doubles watches for what moves by itself later on."""
 
 
 class Row(NamedTuple):

@@ -16,9 +16,9 @@ from tests.loop.touches import Kind
 
 DRIVES = {
     17: (12.0, "towards a box, both front deaf on the way"),
-    43: (29.0, "backward towards posts, all deaf, backed up and on again"),
-    132: (25.0, "a cluttered room, front left deaf on the way"),
-    338: (10.0, "backward towards a slanted wall, rear deaf, turned to it squarely"),
+    43: (22.0, "backward towards posts, all deaf, backed up and on again"),
+    132: (22.0, "a cluttered room, front left deaf on the way"),
+    338: (8.5, "backward towards a slanted wall, rear deaf, turned to it squarely"),
 }
 """By seed: until when (s), soon after what it is for. A guard that trusts a silent sensor, and holds nothing, touches
 above 0.5 m/s in 17, 43 and 338, in 43 what it would have heard. One that holds 0.3 m beside the way touches at 0.19 m/s
@@ -35,7 +35,7 @@ def test_what_a_deaf_sensor_has_heard_or_would_have_is_touched_slowly(seed: int)
 
 @pytest.mark.parametrize(
     ("hears", "sign", "deaf", "until"),
-    [("E--", 1.0, ("front_left", "front_right"), 26.0), ("E-", -1.0, ("rear",), 15.0)],
+    [("E--", 1.0, ("front_left", "front_right"), 15.0), ("E-", -1.0, ("rear",), 15.0)],
 )
 def test_what_a_sensor_heard_now_and_then_before_it_is_deaf_is_touched_slowly(
     hears: str, sign: float, deaf: tuple[str, ...], until: float
@@ -56,7 +56,7 @@ def test_what_a_sensor_heard_now_and_then_before_it_is_deaf_is_touched_slowly(
     assert [told(outcome, touch) for touch in outcome.breaks] == []
     assert outcome.touches
     assert outcome.touches[0].kind in (Kind.HEARD, Kind.WOULD)
-    assert max(touch.speed for touch in outcome.touches) < 0.16  # until 26 s also once it has stood there for 10 s
+    assert max(touch.speed for touch in outcome.touches) < 0.16
 
 
 def test_the_judge_sees_what_a_guard_that_lets_all_pass_touches(monkeypatch: pytest.MonkeyPatch) -> None:

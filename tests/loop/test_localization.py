@@ -19,7 +19,7 @@ from tests.loop.localization.kinds import KINDS, policy
 CONFIG: Final = LocalizationConfig(most_particles=5_000)
 _TRACKED: Final = Variation("living_room", metres=20.0)
 _KIDNAPPED: Final = Variation("living_room", metres=16.0, kidnapped_after=4.0)
-_TWIN: Final = KINDS["twin"].variation._replace(metres=5.0)
+_TWIN: Final = KINDS["twin"].variation._replace(metres=4.0)
 _SEED: Final = 1
 _NOT_LATER_KIDNAPPED: Final = 7
 """A seed that adds no way to what it is kidnapped after."""

@@ -46,7 +46,7 @@ def test_whatever_ends_a_hand_of_ros_stops_the_robot(name: str) -> None:
         it.drive(teleop)
         since = it.now
         FAULTS[name](it, teleop)
-        it.run(1.0)
+        it.run(0.7)
         assert it.stage.last_driven(since) <= STOPS
         assert it.stage.driven_ms(since + STOPS) == 0
 
@@ -57,12 +57,12 @@ def test_a_frozen_program_that_wakes_moves_nothing() -> None:
         it.drive(teleop)
         teleop.is_frozen = True
         held = [(it.now + 0.01, 0.3, 0.0), (it.now + 0.02, 0.3, 0.0)]
-        it.run(2.0)
+        it.run(1.2)
         assert "/nav did not answer" in it.said
         before, since = it.at, it.now
         teleop.held.extend(held)
         teleop.is_frozen = False
-        it.run(2.0)
+        it.run(1.0)
         assert it.at == before
         assert it.stage.driven_ms(since) == 0
 
@@ -127,7 +127,7 @@ def test_a_goal_ends_with(name: str) -> None:
         since = it.now
         assert it.stage.driven_ms(since - 0.1) > 90
         end(it, teleop)
-        it.run(1.0)
+        it.run(0.7)
         assert it.stage.driven_ms(since + STOPS) == 0
         if why:
             assert why in it.loop.processes["ros2"].told["goal"]

@@ -52,7 +52,7 @@ def test_what_ends_a_hand_stops_the_robot_within_its_bound(name: str, how: Input
         it.drive(browser)
         since = it.now
         fault(it, browser)
-        it.run(1.0)
+        it.run(0.7)
         assert it.last_driven(since) <= bound
         assert it.driven_ms(since + bound) == 0
 
@@ -67,7 +67,7 @@ def test_a_page_that_hung_drives_again_only_with_another_touch(how: Input) -> No
         it.run(0.8)
         browser.hung = False
         since = it.now
-        it.run(2.0)
+        it.run(1.2)
         assert it.driven_ms(since) == 0, "the finger was not lifted"
         assert "let go" in browser.refusals[-1]
         browser.let_go()
@@ -87,7 +87,7 @@ def test_a_hang_that_hands_over_all_at_once_drives_not_a_moment(how: Input) -> N
         it.run(0.8)
         it.loop.processes["web"].paused = False
         it.loop.processes["web"].go_on()
-        it.run(1.0)
+        it.run(0.7)
         assert it.last_driven(since) <= OPERATORS
         assert it.driven_ms(since + OPERATORS) == 0
 
@@ -160,7 +160,7 @@ def test_a_touch_that_begins_off_the_middle_does_not_count() -> None:
         it.run(0.3)
         browser.touch()
         browser.asks = (1.0, 0.0)
-        it.run(2.0)
+        it.run(1.2)
         assert it.driven_ms(0.0) == 0
         assert browser.refusals[-1]
 
@@ -171,7 +171,7 @@ def test_a_stop_holds_until_it_is_released_and_its_release_moves_nothing() -> No
         it.drive(browser)
         since = it.now
         browser.stop()
-        it.run(1.0)
+        it.run(0.6)
         assert it.is_stopped()
         assert it.last_driven(since) <= AT_ONCE
         assert browser.state is not None
@@ -179,7 +179,7 @@ def test_a_stop_holds_until_it_is_released_and_its_release_moves_nothing() -> No
         assert browser.state.stop.engaged
         assert it.browsers.confirmed[0].engaged
         browser.release()
-        it.run(2.0)
+        it.run(1.2)
         assert not it.is_stopped()
         browser.asks = (0.0, 0.0)
         it.run(1.0)

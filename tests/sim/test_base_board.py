@@ -37,9 +37,9 @@ def test_it_says_hello_then_tells_of_its_wheels_100_times_a_second(base: BaseLin
     assert (hello.board, hello.protocol_hash) == (BoardKind.BASE, HASH)
     assert hello.boot_id > 0
     assert hello.reset_cause & ResetCause.POWER_ON
-    base.run(4.0)
+    base.run(2.0)
     told = base.all(WheelsFrame)
-    assert len(told) == pytest.approx(400, abs=3)
+    assert len(told) == pytest.approx(200, abs=3)
     assert all((later.seq - earlier.seq) & 0xFFFF == 1 for earlier, later in itertools.pairwise(told))
     assert all(9_000 < later.board_us - earlier.board_us < 11_000 for earlier, later in itertools.pairwise(told))
     assert told[-1].board_us - told[0].board_us == pytest.approx((len(told) - 1) * 10_000, abs=1000)
@@ -95,11 +95,11 @@ def spin(line: BaseLine, edges_a_second: tuple[int, int], seconds: int) -> list[
 def test_20_000_edges_a_second_on_both_wheels_are_counted_exactly(base: BaseLine) -> None:
     base.start()
     began = base.wheels
-    wheels = spin(base, (20_000, -20_000), 4)
-    assert len(wheels) == pytest.approx(405, abs=3)
+    wheels = spin(base, (20_000, -20_000), 2)
+    assert len(wheels) == pytest.approx(205, abs=3)
     assert all((later.seq - earlier.seq) & 0xFFFF == 1 for earlier, later in itertools.pairwise(wheels))
-    assert wheels[-1].left_ticks - began.left_ticks == 80_000
-    assert wheels[-1].right_ticks - began.right_ticks == -80_000
+    assert wheels[-1].left_ticks - began.left_ticks == 40_000
+    assert wheels[-1].right_ticks - began.right_ticks == -40_000
     # In passing, too: each telemetry frame is within the edges of its own instant.
     for earlier, later in itertools.pairwise(wheels[5:-10]):
         expected = (later.board_us - earlier.board_us) * 0.02
@@ -113,11 +113,7 @@ def test_20_000_edges_a_second_on_both_wheels_are_counted_exactly(base: BaseLine
         (20_000, 17_317),
         (17_317, 20_000),
         (20_000, -17_317),
-        (19_997, 19_001),
         (-18_181, 16_161),
-        (17_735, 5_959),
-        (15_013, 9_973),
-        (11_808, 17_698),
         (-18_840, -1_375),
         (9_596, 16_893),
     ],
@@ -283,8 +279,8 @@ def test_encoders_agree_with_the_true_travel_along_a_winding_path(implementation
         base = BaseLine(running)
         base.start()
         for left, right in ((70, 60), (20, 70), (-40, 40), (-70, -50), (10, -10), (70, 70)):
-            base.drive(left, right, 1.0)
-        base.drive(0, 0, 1.0)
+            base.drive(left, right, 0.5)
+        base.drive(0, 0, 0.5)
         plant = wheels_of(running.world).plant
         assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
         assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)

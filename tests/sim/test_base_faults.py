@@ -76,7 +76,7 @@ def test_a_cut_encoder_stops_the_robot_in_half_a_second_whenever_it_is_cut(base:
     assert longest <= STUCK_MS + 10, "but for the time of a drive frame on its line"
 
 
-@pytest.mark.parametrize(("implementation", "level"), [(HOST, 12), (HOST, -12), (HOST, 35), (HOST, 70), (AVR, -12)])
+@pytest.mark.parametrize(("implementation", "level"), [(HOST, 12), (HOST, -12), (HOST, 70), (AVR, -12)])
 @pytest.mark.parametrize(
     ("soldered", "cause"),
     [
@@ -129,21 +129,19 @@ def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
             base = BaseLine(running)
             wheels_of(running.world).solder(soldered)
             base.start(wiring=soldered)
-            base.drive(40, 20, 0.8)
-            base.drive(-40, 40, 0.8)
-            base.drive(0, 0, 0.4)
+            base.drive(40, 20, 0.5)
+            base.drive(-40, 40, 0.5)
+            base.drive(0, 0, 0.3)
             plant = wheels_of(running.world).plant
             assert latch(base) is Latch.NONE, soldered
             assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
             assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)
 
 
-@pytest.mark.parametrize(
-    ("implementation", "period_ms"), [(HOST, 60), (HOST, 140), (HOST, 300), (HOST, 900), (AVR, 60)]
-)
+@pytest.mark.parametrize(("implementation", "period_ms"), [(HOST, 60), (HOST, 140), (HOST, 900), (AVR, 60)])
 def test_full_reversals_are_no_fault(base: BaseLine, period_ms: int) -> None:
     base.start()
-    for _ in range(max(3, 2000 // period_ms)):
+    for _ in range(max(2, 1200 // period_ms)):
         base.drive(70, -70, period_ms / 1000)
         base.drive(-70, 70, period_ms / 1000)
     assert latch(base) is Latch.NONE
@@ -164,17 +162,17 @@ def test_a_reversal_to_any_level_while_the_robot_still_rolls_is_no_fault(base: B
 
 @pytest.mark.parametrize(("implementation", "seed"), [(AVR, 0), (HOST, 1)])
 def test_whatever_a_healthy_robot_is_asked_is_no_fault(implementation: Implementation, seed: int) -> None:
-    ask_whatever(implementation, seed)
+    ask_whatever(implementation, seed, 30 if implementation is AVR else 60)
 
 
-def ask_whatever(implementation: Implementation, seed: int) -> None:
+def ask_whatever(implementation: Implementation, seed: int, times: int = 60) -> None:
     """Start, stop and change the level, mostly about the stall level, on a weak battery: that is no fault."""
     chance = random.Random(seed)
     world = world_in(empty_room(), SimConfig(battery_volts=19.0))
     with simulation(world, ONLY_BASE, implementation) as running:
         base = BaseLine(running)
         base.start()
-        for _ in range(60):
+        for _ in range(times):
             left, right = (chance.choice((0, 1, 8, 24, 25, 26, 40, 70)) * chance.choice((1, 1, -1)) for _ in range(2))
             base.drive(left, right, chance.choice((0.02, 0.06, 0.2, 0.52)))
             assert latch(base) is Latch.NONE, (left, right)

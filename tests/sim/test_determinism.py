@@ -38,20 +38,20 @@ def tick(line: Line, millisecond: int) -> None:
 def bytes_of(
     implementation: Implementation, kinds: Sequence[BoardKind], seed: int = 1, *, reset: BoardKind | None = None
 ) -> dict[BoardKind, str]:
-    """SHA-256 of what each board sends in a run of 3 s with noise, driving, a fault and a reset."""
+    """SHA-256 of what each board sends in a run of 2 s with noise, driving, a fault and a reset."""
     room = read_room(LIVING_ROOM)
     world = world_of(room, ROBOT, DRIVE, SimConfig(), DemoHand(room.waypoints, seed), seed)
     with simulation(world, tuple(kinds), implementation) as running:
         # The host's order is always the same: only the boards' own shall differ.
         lines = {kind: BaseLine(running) if kind is BoardKind.BASE else Line(running, kind) for kind in sorted(kinds)}
-        for millisecond in range(3000):
+        for millisecond in range(2000):
             for line in lines.values():
                 if isinstance(line, BaseLine):
                     drive(line, millisecond)
                 else:
                     tick(line, millisecond)
                 line.push()
-            if millisecond == 1800:
+            if millisecond == 1200:
                 world.sonars[0].fault = SonarFault.WILD
                 if reset is not None:
                     running.reset(reset, ResetCause.WATCHDOG)

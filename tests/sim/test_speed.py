@@ -76,7 +76,7 @@ def driver(
 
 
 CASES = [
-    *((HOST, speed, drive, battery) for speed in (0.05, 0.1, 0.3, 0.5) for drive in DRIVES for battery in BATTERIES),
+    *((HOST, speed, drive, battery) for speed in (0.05, 0.2, 0.5) for drive in DRIVES for battery in BATTERIES),
     (AVR, 0.3, "known voltage", "low"),
 ]
 
@@ -101,7 +101,7 @@ def test_both_wheels_hold_their_speed(implementation: Implementation, speed: flo
         assert ended.speed_flags == 0
 
 
-@pytest.mark.parametrize("speed", [0.05, 0.1, 0.3, 0.5, -0.5])
+@pytest.mark.parametrize("speed", [0.05, 0.2, -0.5])
 @pytest.mark.parametrize("battery", BATTERIES)
 def test_a_ramp_overshoots_by_a_tenth_at_most(speed: float, battery: str) -> None:
     for drive in DRIVES.values():
@@ -126,19 +126,11 @@ def test_nothing_moves_at_zero(implementation: Implementation) -> None:
         assert line.plant.path_length == travelled
 
 
-@pytest.mark.parametrize(
-    ("implementation", "speed", "drive", "battery"),
-    [
-        *((HOST, 0.5, drive, "low") for drive in DRIVES),
-        (AVR, 0.5, "known voltage", "full"),
-    ],
-)
-def test_unlike_motors_drive_5_m_straight(
-    implementation: Implementation, speed: float, drive: str, battery: str
-) -> None:
-    with driver(implementation, UNEVEN, BATTERIES[battery], DRIVES[drive]) as line:
+@pytest.mark.parametrize("drive", DRIVES)
+def test_unlike_motors_drive_5_m_straight(drive: str) -> None:
+    with driver(truth=UNEVEN, sim=LOW, drive=DRIVES[drive]) as line:
         while line.plant.path_length < 5.0:
-            line.towards(speed, speed, 0.1)
+            line.towards(0.5, 0.5, 0.1)
         assert abs(math.degrees(line.plant.pose.yaw)) <= 1.0
         assert not line.is_held
 
