@@ -40,8 +40,8 @@ DRAWN: Final[dict[tuple[int, float], tuple[str, ...]]] = {
         "stop: not armed since the left wheel was held",
         "the same engages the emergency stop anew",
     ),
-    (207, 16.0): ("fault: emergency stop", "fault: kill", "fault: disk", "answer: the disk hangs", "fault: cut"),
-    (83, 16.0): (
+    (207, 15.0): ("fault: emergency stop", "fault: kill", "fault: disk", "answer: the disk hangs", "fault: cut"),
+    (83, 15.0): (
         "fault: parameter",
         "parameter: refused",
         "parameter: saved",
@@ -58,27 +58,28 @@ DRAWN: Final[dict[tuple[int, float], tuple[str, ...]]] = {
         "fault: disorder",
         "stop: emergency stop by battery",
     ),
-    (249, 11.0): ("answer: the reset is not from within the last",),
     (9, 11.0): ("answer: latch N is not the one engaged", "fault: loss"),
-    (20, 18.0): ("stop: the guard's command is too old", "stop: forward slowed"),
+    (233, 8.0): ("stop: forward slowed",),
     (163, 16.0): ("stop: a second ranger", "fault: unplug"),
-    (111, 8.0): ("stop: a range that this motion relies on is too old", "stop: forward blocked"),
-    (131, 13.0): ("fault: flicker", "stop: another ranger"),
-    (185, 7.0): ("fault: delay",),
+    (111, 7.0): ("stop: a range that this motion relies on is too old", "stop: forward blocked"),
+    (131, 12.0): ("fault: flicker", "stop: another ranger"),
+    (185, 5.0): ("fault: delay",),
     (141, 9.0): ("fault: sonar", "stop: backward blocked"),
-    (264, 10.0): ("fault: full buffer", "stop: the base board is in state command_timeout"),
+    (264, 9.0): ("fault: full buffer", "stop: the base board is in state command_timeout"),
 }
-"""By seed and how long it is played, s, what it is there for: it counts what begins so a second or two before the end.
+"""By seed and how long it is played, s, what it is there for: it counts what begins so by a second before the end.
 
 Where it no longer does, it may do so later, up to 20 s, or another seed does (`giraff dst`).
 """
-TOO_RARE: Final = [
+STAGED: Final = [
+    "stop: the guard's command is too old",
     "stop: emergency stop by the base board",
     "stop: emergency stop by keyboard",
+    "answer: the reset is not from within the last",
     "an emergency stop was lost with its base",
     "parameter: not saved",
 ]
-"""In one of the first 400 seeds or none; tests here stage the first three, `make campaign` draws two thousand."""
+"""Rare ones: tests here stage all but the last, `make campaign` draws two thousand seeds."""
 PATH: Final = 1.0
 """m that the robot drives in each that was drawn."""
 
@@ -93,7 +94,7 @@ def test_no_invariant_is_violated(seed: int, seconds: float) -> None:
 
 def test_each_fault_stop_and_answer_is_what_some_seed_is_there_for() -> None:
     reached = dict.fromkeys((what for reasons in DRAWN.values() for what in reasons), 1)
-    assert unreached(reached, KINDS) == TOO_RARE
+    assert unreached(reached, KINDS) == STAGED
 
 
 def never(outcome: Outcome, *wanted: str) -> list[str]:

@@ -50,6 +50,8 @@ class Row(NamedTuple):
     befalls: tuple[Begin, ...]
     tilt: Vector = FORWARD
     apart: float = 0.0
+    reason: str = ""
+    """Among what is counted."""
 
 
 def _sonars(fault: SonarFault, bound: float) -> dict[str, Row]:
@@ -64,6 +66,7 @@ _SIDES: Final = {"base": 0.35, "guard": 0.35, "joystick": 0.45, "ranger": 0.45}
 ROWS: Final = {
     **{f"{service} ended": Row(bound, (end(service),)) for service, bound in _SIDES.items()},
     **{f"{service} suspended": Row(bound, (pause(service),)) for service, bound in _SIDES.items()},
+    "base suspended": Row(0.35, (pause("base"),), reason="stop: the guard's command is too old"),
     "link cut": Row(0.45, (cut_both_ways,)),
     "link delayed by 0.5 s": Row(0.45, (delay(0.5),)),
     "joystick board unplugged": Row(0.45, (unplug("joystick"),)),
@@ -125,6 +128,7 @@ def driven_ms(
         seconds=FAULT + row.bound + WATCHED + 0.02,
     )
     assert outcome.violations == ()
+    assert row.reason in ("", *outcome.counts)
     assert before[0].driven_ms > 90, "it did not drive before"
     return after[0].driven_ms
 
