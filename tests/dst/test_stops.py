@@ -10,7 +10,7 @@ from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.drill import SIM, Befall, Begin
 from giraff_sim.record import Verdict
-from giraff_sim.settings import Services, Settings
+from giraff_sim.settings import Settings
 from giraff_sim.world.bno055 import Bno055Fault, Vector
 from giraff_sim.world.hand import LEVEL, ScriptedHand
 from giraff_sim.world.sonar import SonarFault
@@ -34,7 +34,6 @@ from tests.dst.courses import (
     watch,
 )
 from tests.dst.stage import BACKWARD, FORWARD, SET_OFF, SETTINGS, at, hall, stage
-from tests.support.floods import FloodingJoystick
 
 LEFT: Final[Vector] = (0.0, 4.0, 8.96)
 FAULT: Final = 1.9
@@ -108,7 +107,6 @@ ROWS: Final = {
 def driven_ms(
     row: Row,
     *others: Befall,
-    services: Services | None = None,
     settings: Settings = SETTINGS,
     sim: SimConfig = SIM,
 ) -> float:
@@ -120,7 +118,6 @@ def driven_ms(
         *(at(FAULT + row.apart * place, befall, row.bound + WATCHED) for place, befall in enumerate(row.befalls)),
         at(FAULT + row.bound, watch(after), WATCHED),
         *others,
-        services=services,
         settings=settings,
         sim=sim,
         hand=ScriptedHand([0.0, SET_OFF], [LEVEL, row.tilt]),
@@ -136,10 +133,6 @@ def driven_ms(
 @pytest.mark.parametrize("name", ROWS)
 def test_a_fault_stops_the_robot_within_its_bound(name: str) -> None:
     assert driven_ms(ROWS[name]) == 0
-
-
-def test_a_flood_of_who_drives_changes_no_bound() -> None:
-    assert driven_ms(ROWS["e-stop engaged"], services=Services(joystick=FloodingJoystick)) == 0
 
 
 def test_a_flood_of_a_stranger_changes_no_bound() -> None:

@@ -11,7 +11,6 @@ from tests.loop.approaches import OF_USE, approach, curve_before_a_smooth_wall
 
 APPROACHES = {
     15: "backward, the shortest way, slanted the most",
-    31: "slanted the most",
     66: "rests farthest off",
 }
 """By seed."""

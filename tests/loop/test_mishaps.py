@@ -72,7 +72,7 @@ def require_stop(mishap: str, delay_ms: int) -> None:
         driving(loop, delay_ms)
         happens(loop)
         began_us = loop.simulation.now_us
-        loop.run(bound + 1.0)
+        loop.run(bound + 0.5)
         last = loop.simulation.record.verdict(began_us, loop.simulation.now_us).last_driven_us
         assert last is not None
         assert not loop.newest["base"].armed
@@ -101,7 +101,7 @@ def test_a_mishap_stops_the_robot_within_its_bound(mishap: str) -> None:
 
 
 def test_a_hand_that_holds_still_drives_on() -> None:
-    hold_still(6.0)
+    hold_still(3.0)
 
 
 def hold_still(seconds: float) -> None:
