@@ -124,7 +124,7 @@ def test_both_sides_agree_about_damage(c: CCodec, stream: bytes) -> None:
     assert (good, errors + len(bodies) - len(good)) == python_decode(stream)
 
 
-@given(stream=st.binary(max_size=2000), cut=st.integers(1, 50), frame=frames)
+@given(stream=st.binary(max_size=500), cut=st.integers(1, 50), frame=frames)
 def test_the_decoder_survives_anything_and_mends_at_the_next_zero(stream: bytes, cut: int, frame: Frame) -> None:
     decoder = Decoder()
     for at in range(0, len(stream), cut):

@@ -28,7 +28,7 @@ def told_by(program: str, library: Path, *words: str) -> list[int]:
 
 
 def test_noise_does_nothing() -> None:
-    throw_noise(10_000)
+    throw_noise(6_000)
 
 
 def throw_noise(milliseconds: int) -> None:

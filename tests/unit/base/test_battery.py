@@ -41,7 +41,7 @@ def test_a_battery_that_rests_is_not_charged() -> None:
     charge(rig, 21.6)
     rig.run(5.1)
     charge(rig, 22.4)
-    assert rig.run(20.0)[-1].levels == (35, 35)
+    assert rig.run(6.0)[-1].levels == (35, 35)
     charge(rig, 22.6)
     assert rig.run(4.9)[-1].levels == (35, 35)
     assert rig.run(1.0)[-1].levels == (70, 70)
@@ -78,7 +78,7 @@ def test_an_empty_battery_engages_the_emergency_stop_once_and_only_a_charged_one
     assert answer.reason == "the battery is empty at 19.8 V; charge it to 22 V"
     charge(rig, 21.9)  # it has recovered at rest
     rig.tilt(0.0)
-    rig.run(20.0)
+    rig.run(6.0)
     assert reset(rig).engaged
     charge(rig, 24.0)
     rig.run(5.1)
@@ -121,7 +121,7 @@ def test_a_stop_of_a_person_does_not_hide_that_the_battery_was_empty(is_first: b
     charge(rig, 24.0)
     rig.run(5.2)
     assert not reset(rig).engaged
-    rig.run(10.0)
+    rig.run(6.0)
     assert not rig.base.latch.engaged
 
 
@@ -151,11 +151,11 @@ def test_a_charge_is_a_volt_more_of_a_robot_that_rests_and_nothing_else() -> Non
     assert seen[4:] == pytest.approx([0.0, 0.0, 360.0, 3600.0], abs=61.0)
 
 
-@pytest.mark.parametrize("dip", [0.1, 1.0, 4.9])
+@pytest.mark.parametrize("dip", [0.1, 4.9])
 def test_dips_under_load_neither_slow_nor_stop(dip: float) -> None:
     rig = Rig()
     rig.drive(0.6)
-    for _ in range(5):
+    for _ in range(2):
         charge(rig, 15.0)
         assert rig.run(dip)[-1].levels == (70, 70)
         charge(rig, 24.0)
@@ -216,7 +216,7 @@ def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
 def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
     rig = Rig(drive=msgspec.structs.replace(DRIVE, battery_volts_per_count=0.0))
     rig.board.battery_adc_counts = 0
-    rig.run(10.0)
+    rig.run(6.0)
     assert rig.base.faults["battery"] == WELL
     rig.drive(0.6)
 

@@ -60,7 +60,7 @@ def require_true(path: Path, filed: RobotConfig, stand: DrawnStand) -> list[str]
     return found
 
 
-@pytest.mark.parametrize("seed", [0, 3, 6, 9])
+@pytest.mark.parametrize("seed", [0, 9])
 def test_the_sensors_of_a_drawn_robot_are_found(seed: int, tmp_path: Path) -> None:
     path, filed = robot_file(tmp_path)
     before = path.read_bytes()
@@ -233,7 +233,7 @@ def test_a_sensor_that_the_guard_would_no_longer_count_stays_as_it_is() -> None:
     assert "more than 45° aside" in measured.why
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_without_that_yes_nothing_is_placed_farther(seed: int, tmp_path: Path) -> None:
     path, filed = robot_file(tmp_path)
     drawn = DrawnStand(filed, seed)

@@ -248,30 +248,33 @@ def test_no_command_opens_a_session(
     assert told in line or command == "run"  # which reads all of the robot first
 
 
-@pytest.mark.parametrize("fault", FAULTS)
 def test_a_stop_is_tried_first_and_never_over_an_open_session_where_the_network_looks_secured(
-    fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """What it says of who answers: tests/unit/cli/test_estop.py. Which network is tried: test_stop_plan.py."""
-    told = settle(monkeypatch, tmp_path, fault)
-    code, out, err = typed(monkeypatch, capsys, "estop", "engage")
-    assert (code, out) == (2, "")
-    *_, line = err.splitlines()
-    assert told in line
-    assert "use the battery switch, or without the file: " in line
-    assert "GIRAFF_CONFIG=/dev/null" in line
-    assert "NOTHING IS STOPPED: use the battery switch" in err
-    assert bool(opened) != (fault in LOOK_SECURED or "secur" in str(FAULTS[fault][:2]).lower())
+    for fault in FAULTS:
+        opened.clear()
+        with monkeypatch.context() as patch:
+            told = settle(patch, tmp_path, fault)
+            code, out, err = typed(patch, capsys, "estop", "engage")
+        assert (code, out) == (2, ""), fault
+        *_, line = err.splitlines()
+        assert told in line, fault
+        assert "use the battery switch, or without the file: " in line, fault
+        assert "GIRAFF_CONFIG=/dev/null" in line, fault
+        assert "NOTHING IS STOPPED: use the battery switch" in err, fault
+        assert bool(opened) != (fault in LOOK_SECURED or "secur" in str(FAULTS[fault][:2]).lower()), fault
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_nor_lets_it_a_script(fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    told = settle(monkeypatch, tmp_path, fault)
-    with pytest.raises(NoRobotError) as refused, Robot():
-        pass
-    assert told in str(refused.value)
-    assert "correct it" in str(refused.value)
-    assert opened == []
+def test_nor_lets_it_a_script(tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    for fault in FAULTS:
+        with monkeypatch.context() as patch:
+            told = settle(patch, tmp_path, fault)
+            with pytest.raises(NoRobotError) as refused, Robot():
+                pass
+            assert told in str(refused.value)
+            assert "correct it" in str(refused.value), fault
+            assert opened == [], fault
 
 
 @pytest.mark.parametrize("fault", SOME_FAULTS)

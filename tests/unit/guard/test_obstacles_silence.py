@@ -24,12 +24,10 @@ SLOW = CONFIG.unproved_linear
 WALL = 1.5  # m before the sensors
 
 
-def silent_for(seconds: float, linear: float = 0.0, angular: float = 0.0) -> Senses:
-    """Proven far from anything, then hearing nothing for so long, the robot moving at this."""
+def unproven() -> Senses:
+    """Proven far from anything, then hearing nothing until that is worth nothing."""
     senses = opened()
-    senses.linear, senses.angular = linear, angular
-    senses.cycle(None, cycles=round(seconds / CYCLE))
-    senses.linear = senses.angular = 0.0
+    senses.cycle(None, cycles=round(21.0 / CYCLE))
     return senses
 
 
@@ -37,23 +35,30 @@ def faded(share: float) -> float:
     return FULL - share * (FULL - SLOW)
 
 
-@pytest.mark.parametrize(
-    ("seconds", "share"), [(1.0, 0.0), (9.5, 0.0), (12.5, 0.25), (17.5, 0.75), (20.5, 1.0), (60.0, 1.0)]
-)
-def test_silence_is_worth_less_after_ten_seconds(seconds: float, share: float) -> None:
-    assert silent_for(seconds).allowed() == pytest.approx(faded(share), abs=0.01)
+def fades(expected: dict[float, float], off: float, linear: float = 0.0, angular: float = 0.0) -> None:
+    """Require these shares after so many s of silence, the robot moving at this."""
+    senses, cycles = opened(), 0
+    for seconds, share in expected.items():
+        senses.linear, senses.angular = linear, angular
+        senses.cycle(None, cycles=round(seconds / CYCLE) - cycles)
+        senses.linear = senses.angular = 0.0
+        assert senses.allowed() == pytest.approx(faded(share), abs=off), seconds
+        cycles = round(seconds / CYCLE)
+
+
+def test_silence_is_worth_less_after_ten_seconds() -> None:
+    fades({1.0: 0.0, 9.5: 0.0, 12.5: 0.25, 17.5: 0.75, 20.5: 1.0, 25.0: 1.0}, 0.01)
 
 
 @pytest.mark.parametrize("speed", [0.3, -0.3])
-@pytest.mark.parametrize(("way", "share"), [(1.1, 0.0), (1.4, 0.25), (1.8, 0.75), (2.1, 1.0), (2.8, 1.0)])
-def test_silence_is_worth_less_after_so_much_way(way: float, share: float, speed: float) -> None:
-    assert silent_for(way / abs(speed), speed).allowed() == pytest.approx(faded(share), abs=0.03)
+def test_silence_is_worth_less_after_so_much_way(speed: float) -> None:
+    shares = {1.1: 0.0, 1.4: 0.25, 1.8: 0.75, 2.1: 1.0, 2.8: 1.0}
+    fades({way / abs(speed): share for way, share in shares.items()}, 0.03, speed)
 
 
 @pytest.mark.parametrize("speed", [1.0, -1.0])
-@pytest.mark.parametrize(("turned", "share"), [(2.2, 0.0), (3.2, 0.5), (4.4, 1.0)])
-def test_a_turn_counts_as_way(turned: float, share: float, speed: float) -> None:
-    assert silent_for(turned, 0.0, speed).allowed() == pytest.approx(faded(share), abs=0.06)
+def test_a_turn_counts_as_way(speed: float) -> None:
+    fades({2.2: 0.0, 3.2: 0.5, 4.4: 1.0}, 0.06, 0.0, speed)
 
 
 def test_turning_there_and_back_counts_twice() -> None:
@@ -93,7 +98,7 @@ def test_each_sensor_of_a_way_has_to_prove_itself(sensor: str) -> None:
 @pytest.mark.parametrize("between", [0, 1, 2])
 def test_an_echo_that_follows_from_one_just_before_proves_it(between: int) -> None:
     """Those between may be lost: a slanted wall answers now and then."""
-    senses = silent_for(25.0)
+    senses = unproven()
     senses.cycle(FAR)
     senses.cycle(None, cycles=between)
     assert senses.allowed() < 0.2
@@ -103,7 +108,7 @@ def test_an_echo_that_follows_from_one_just_before_proves_it(between: int) -> No
 
 
 def test_one_echo_proves_nothing() -> None:
-    senses = silent_for(25.0)
+    senses = unproven()
     for distance in (FAR, None, None, None, FAR, None, None, None, FAR):
         senses.cycle(distance)
     assert senses.allowed() == pytest.approx(SLOW)
