@@ -39,7 +39,7 @@ __all__ = [
 CYCLE: Final = 0.18  # s: each sensor once
 PIVOT: Final = 0.175  # m
 HEIGHT: Final = 0.30  # m of each sensor above the floor
-_TURN: Final = 0.02  # s
+_TURN: Final = 0.06  # s
 _OPENED: Final[dict[bytes, bytes]] = {}
 """What `opened` has made, by what it was given: many tests begin with the same."""
 SIDES: Final = {"forward": FRONT, "backward": ("rear",)}
@@ -92,11 +92,13 @@ class Senses:
 
     def wait(self, seconds: float, *, wheels: bool = True) -> None:
         """Let time pass in the guard's turns, the robot moving as it does."""
-        for _ in range(round(seconds / _TURN)):
-            self.robot_ns += round(_TURN * 1e9)
+        turns = math.ceil(round(seconds / _TURN, 6))
+        for _ in range(turns):
+            turn = seconds / turns
+            self.robot_ns += round(turn * 1e9)
             half = self.angular * self.robot.track_width / 2.0
-            self._left += (self.linear - half) * _TURN
-            self._right += (self.linear + half) * _TURN
+            self._left += (self.linear - half) * turn
+            self._right += (self.linear + half) * turn
             if wheels:
                 self.report()
             if self.config.run_on:
