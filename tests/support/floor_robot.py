@@ -18,7 +18,7 @@ from giraff_sim.truth import Truth
 from giraff_sim.world.room import Pose, Room
 from tests.support.robots import DRIVE, ROBOT
 
-STEP: Final = 0.004  # s
+STEP: Final = 0.01  # s; finer where each command is looked at
 REPORT: Final = 0.05  # s, of base
 _GAIN: Final = 8.0  # 1/s, by which a wheel's duty follows what it is short of
 _REST: Final = 1e-4  # m/s
@@ -29,8 +29,9 @@ _SLIPS: Final = (2e-7, 2e-6)
 class FloorRobot:
     """Rests between two calls."""
 
-    def __init__(self, truth: Truth, seed: int, robot: RobotConfig = ROBOT) -> None:
+    def __init__(self, truth: Truth, seed: int, robot: RobotConfig = ROBOT, step: float = STEP) -> None:
         self.robot = robot
+        self._seconds = step
         self._chance = random.Random(f"{seed}/floor")
         self._slip = math.exp(self._chance.uniform(*map(math.log, _SLIPS)))
         self._plant = Plant(robot, DRIVE, SimConfig(), Room("floor", Pose(0.0, 0.0, 0.0)), truth)
@@ -57,12 +58,12 @@ class FloorRobot:
     def drive(self, linear_x: float, angular_z: float, seconds: float) -> None:
         """At this speed (m/s, rad/s), as base makes wheels of it."""
         left, right = self.robot.kinematics.wheel_speeds(linear_x, angular_z)
-        for _ in range(round(seconds / STEP)):
+        for _ in range(round(seconds / self._seconds)):
             self._step(left, right)
 
     def stand(self, seconds: float) -> None:
         """At rest."""
-        for _ in range(math.ceil(seconds / STEP)):
+        for _ in range(math.ceil(seconds / self._seconds)):
             self._step(0.0, 0.0)
 
     def _drive(self, left: float, right: float, travel: float) -> None:
@@ -80,10 +81,10 @@ class FloorRobot:
 
     def _step(self, left: float, right: float, *, says: bool = False) -> None:
         for side, aim in zip(self._sides, (left, right), strict=True):
-            side.control(aim, self.robot, self._chance, self._slip)
-        self._plant.step(STEP, self._sides[0].duty, self._sides[1].duty)
-        self._time += STEP
-        if says or self._time - self.heard[-1].board_us * 1e-6 >= REPORT - STEP / 2.0:
+            side.control(aim, self.robot, self._chance, self._slip, self._seconds)
+        self._plant.step(self._seconds, self._sides[0].duty, self._sides[1].duty)
+        self._time += self._seconds
+        if says or self._time - self.heard[-1].board_us * 1e-6 >= REPORT - self._seconds / 2.0:
             self.heard.append(self._report())
 
     def _report(self) -> Wheels:
@@ -120,8 +121,8 @@ class _Side:
         """m by the counts and the robot file."""
         return self.ticks / robot.ticks_per_metre
 
-    def control(self, aim: float, robot: RobotConfig, chance: random.Random, slip: float) -> None:
-        """One step towards `aim` m/s."""
+    def control(self, aim: float, robot: RobotConfig, chance: random.Random, slip: float, step: float) -> None:
+        """One step of so many s towards `aim` m/s."""
         travel, self._travel = abs(self.wheel.travel - self._travel), self.wheel.travel
         self._extra += chance.gauss(0.0, math.sqrt(slip * travel)) * robot.ticks_per_metre
         if aim == 0.0:
@@ -129,4 +130,4 @@ class _Side:
             return
         per_speed = DRIVE.max_level / robot.max_wheel_speed
         begun = self.duty or aim * per_speed
-        self.duty = begun + _GAIN * (aim - self.wheel.speed) * per_speed * STEP
+        self.duty = begun + _GAIN * (aim - self.wheel.speed) * per_speed * step

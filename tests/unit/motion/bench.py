@@ -64,9 +64,10 @@ class Bench:
         seed: int = 1,
         calibration: Calibration | None = None,
         config: MotionConfig | None = None,
+        step: float = 0.004,
     ) -> None:
         self.robot: RobotConfig = msgspec.structs.replace(ROBOT, calibration=calibration or Calibration())
-        self.floor = FloorRobot(truth or Truth(), seed, self.robot)
+        self.floor = FloorRobot(truth or Truth(), seed, self.robot, step)
         self.odometry = OdometryPolicy(Live(OdometryConfig()), self.robot)
         self.policy = MotionPolicy(Live(config or MotionConfig()), self.robot, "motion-1")
         self.now = 100.0

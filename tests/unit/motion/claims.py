@@ -13,6 +13,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.motion import MotionGo, Step
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Level, draw_truth
+from tests.support.floor_robot import STEP
 from tests.unit.motion.bench import Bench
 
 RANGES = SimConfig().truth
@@ -33,7 +34,7 @@ def share_held(steps: Sequence[Step], level: Level, seeds: Iterable[int]) -> flo
 def _distance(steps: Sequence[Step], level: Level, seed: int) -> float:
     """Mahalanobis's, squared. The floor lets each wheel slip, too, on each metre."""
     calibration = CALIBRATED if level == "calibrated" else Calibration()
-    bench = Bench(draw_truth(level, RANGES, seed, calibration), seed, calibration)
+    bench = Bench(draw_truth(level, RANGES, seed, calibration), seed, calibration, step=STEP)
     start = Pose(*bench.floor.pose)
     state = bench.do(MotionGo, steps=tuple(steps))
     assert state.outcome == "arrived", state
