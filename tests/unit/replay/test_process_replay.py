@@ -186,9 +186,12 @@ def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Replay
 
 def test_the_command_tells_it(giraff_replay: Replay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Path] = []
-    monkeypatch.setattr(
-        "giraff_cli.replay.runner.agreements", lambda recording, *_: asked.append(recording.path) or replayed()
-    )
+
+    def recall(recording: Recording, *_: object) -> list[Agreement]:
+        asked.append(recording.path)
+        return replayed()
+
+    monkeypatch.setattr("giraff_cli.replay.runner.agreements", recall)
     code, text, complaint = giraff_replay(str(DRIVE))
     assert (code, complaint) == (0, "")
     assert "odometry" in text
