@@ -73,13 +73,13 @@ def board_reset(cause: ResetCause) -> Begin:
     return course
 
 
-@pytest.mark.parametrize("gap", [0.01, 1.0])
+@pytest.mark.parametrize("gap", [0.01, 0.3, 1.0])
 @pytest.mark.parametrize("name", ["base", "guard"])
 def test_a_restarted_service(name: str, gap: float) -> None:
     moves_nothing(kill(name), gap)
 
 
-@pytest.mark.parametrize("cause", [ResetCause.WATCHDOG, ResetCause.BROWN_OUT], ids=str)
+@pytest.mark.parametrize("cause", [ResetCause.POWER_ON, ResetCause.WATCHDOG, ResetCause.BROWN_OUT], ids=str)
 def test_a_restarted_board(cause: ResetCause) -> None:
     moves_nothing(board_reset(cause), 0.0)
 

@@ -283,7 +283,7 @@ EVENTS = st.one_of(
 )
 
 
-@settings(max_examples=30, derandomize=True)
+@settings(max_examples=45, derandomize=True)
 @given(
     episodes=st.lists(st.lists(st.tuples(EVENTS, st.integers(1, 120)), min_size=1, max_size=5), max_size=4),
     checked=st.sampled_from([True, True, True, False]),
