@@ -28,7 +28,7 @@ camera: ## Add OpenCV, for giraff run --camera, giraff vision and giraff calibra
 setup: ## Install and build whatever a run or a test needs; skips what is there
 	@scripts/setup all
 
-test: setup ## Everything that must hold on one host before a commit lands; about 10 minutes on two cores
+test: setup ## Everything that must hold on one host before a commit lands; about 6 minutes on two cores
 	@tests/run $(ARGS)
 
 lint: setup ## Style and types
