@@ -16,6 +16,7 @@ OBJECTS := $(PROGRAM:%=$(FROM)/program/%.o) $(MACHINE:%=$(FROM)/machine/%.o) $(O
 
 FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost -DBOARD='"$(BOARD)"'
 ifneq ($(SANITIZE),)
+$(if $(filter-out $(BUILD),$(LIKE)),$(error SANITIZE=1 wants all objects of its own: leave LIKE out))
 # Compiled for a single test, it takes less time in all as it is written.
 FLAGS += -O0 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 endif

@@ -68,7 +68,8 @@ def with_fault(name: str, *wrapped: str, board: str = "base") -> Path:
 def robot_with_fault(name: str, *wrapped: str) -> Path:
     """Return a build of all boards of a robot whose base board alone has the fault."""
     build = with_fault(name, *wrapped)
-    for sound in ("joystick.so", "ranger.so"):
+    compiled("", *_host("joystick", "ranger"))
+    for sound in (f"{board}.{what}" for board in ("joystick", "ranger") for what in ("so", "sources")):
         with contextlib.suppress(FileExistsError):
             (build / "host" / sound).symlink_to(BUILD / "host" / sound)
     return build

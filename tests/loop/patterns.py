@@ -37,7 +37,7 @@ class End(NamedTuple):
 def end_of_pattern(
     settings: Settings, truth: Truth | None = None, seed: int = 1, steps: Sequence[Step] | None = None
 ) -> End:
-    """Of the pattern that ships, unless other `steps` are given."""
+    """Drive the pattern that ships, unless other `steps` are given."""
     with stage(settings=settings, truth=truth, seed=seed) as made:
         plant = made.loop.simulation.world.plant
         assert (plant.pose.x, plant.pose.y, plant.pose.yaw) == (0.0, 0.0, 0.0)

@@ -16,7 +16,7 @@ from tests.loop.touches import Kind
 
 DRIVES = {
     17: (12.0, "towards a box, both front deaf on the way"),
-    43: (22.0, "backward towards posts, all deaf, backed up and on again"),
+    43: (31.0, "backward towards posts, all deaf, backed up and on again"),
     132: (22.0, "a cluttered room, front left deaf on the way"),
     338: (8.5, "backward towards a slanted wall, rear deaf, turned to it squarely"),
 }

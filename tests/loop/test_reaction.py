@@ -7,7 +7,7 @@ from tests.loop.reaction import drive, intrude
 DIPS = 0
 """A seed whose wild readings cost dips."""
 INTRUSION = 8
-"""Of the first twelve one of the two after which the robot takes longest to go on."""
+"""The robot takes longest to go on after this one and another one, of the first twelve."""
 
 
 def test_wild_readings_cost_brief_dips_and_nothing_else() -> None:

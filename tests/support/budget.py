@@ -6,7 +6,6 @@ same on every machine, busy or not. Processor time, which plain computing takes 
 
 from __future__ import annotations
 
-import os
 import subprocess
 import tomllib
 from collections import Counter
@@ -30,7 +29,7 @@ BUDGET: Final = Path(__file__).parents[1] / "budget.toml"
 PROCESSOR: Final = "processor s"
 """The unit of tests.support.processor."""
 START: Final = "start"
-"""The row for the processor time of pytest's processes before, between and after their tests."""
+"""The row for the processor time of pytest before, between and after its tests, in the process where that is most."""
 LISTED: Final = 5
 """Files that a report names."""
 REMEDY: Final = """\
@@ -138,13 +137,13 @@ class _Counts:
     def pytest_testnodedown(self, node: Any) -> None:
         """Take what a worker of xdist has counted."""
         costs = getattr(node, "workeroutput", {}).get("giraff_spent", {})
+        self._note_start(costs.pop(START, {}).get(PROCESSOR, 0.0))
         self._spent |= {test: Counter(each) for test, each in costs.items()}
 
     @pytest.hookimpl(wrapper=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> Generator[None, None, None]:
         output: dict[str, object] | None = getattr(session.config, "workeroutput", None)
-        else_took = (taken() - self._in_tests) / self._pace.slowness
-        self._spent[f"{START} {os.getpid()}"] = Counter({PROCESSOR: else_took})
+        self._note_start((taken() - self._in_tests) / self._pace.slowness)
         if output is not None:  # before xdist sends it
             output["giraff_spent"] = {test: dict(each) for test, each in self._spent.items()}
         yield
@@ -153,6 +152,11 @@ class _Counts:
         self._lines = told(self._spent, read_budget(self._budget), over=True)
         if self._lines and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def _note_start(self, seconds: float) -> None:
+        """Keep the largest, which does not hang on how many workers there are."""
+        before = self._spent.get(START, Counter())[PROCESSOR]
+        self._spent[START] = Counter({PROCESSOR: max(before, seconds)})
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         if self._tells:

@@ -53,7 +53,7 @@ class Pace:
 
     def __init__(self) -> None:
         self.slowness = 1.0
-        """How many times as long as on the table's machine the last passes took."""
+        """The time that the last passes took, over what one takes on the table's machine."""
         self._next = 0.0
         self._passes: deque[float] = deque(maxlen=PASSES)
 

@@ -17,7 +17,7 @@ from tests.support.waiting import wait
 
 
 class Place(Protocol):
-    """Where the command is called: beside a robot, or at a desk."""
+    """A place at which the command is called: beside a robot, or at a desk."""
 
     directory: Path
 

@@ -41,7 +41,7 @@ PIVOT: Final = 0.175  # m
 HEIGHT: Final = 0.30  # m of each sensor above the floor
 _TURN: Final = 0.06  # s
 _OPENED: Final[dict[bytes, bytes]] = {}
-"""What `opened` has made, by what it was given: many tests begin with the same."""
+"""The senses that `opened` has made, by what it was given: many tests begin with the same."""
 SIDES: Final = {"forward": FRONT, "backward": ("rear",)}
 
 
