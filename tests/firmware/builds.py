@@ -69,7 +69,7 @@ def robot_with_fault(name: str, *wrapped: str) -> Path:
     """Return a build of all boards of a robot whose base board alone has the fault."""
     build = with_fault(name, *wrapped)
     compiled("", *_host("joystick", "ranger"))
-    for sound in (f"{board}.{what}" for board in ("joystick", "ranger") for what in ("so", "sources")):
+    for sound in ("joystick.so", "joystick.sources", "ranger.so", "ranger.sources"):
         with contextlib.suppress(FileExistsError):
             (build / "host" / sound).symlink_to(BUILD / "host" / sound)
     return build
