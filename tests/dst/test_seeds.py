@@ -67,7 +67,7 @@ DRAWN: Final[dict[tuple[int, float], tuple[str, ...]]] = {
     (141, 9.0): ("fault: sonar", "stop: backward blocked"),
     (264, 9.0): ("fault: full buffer", "stop: the base board is in state command_timeout"),
 }
-"""By seed and how long it is played, s, what it is there for: it counts what begins so by the end.
+"""Each seed is played for so many seconds. Its run must count something that begins with each of these words.
 
 Where it no longer does, it may do so later, up to 20 s, or another seed does (`giraff dst`).
 """

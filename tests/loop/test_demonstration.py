@@ -17,7 +17,7 @@ from tests.sim.robots import proving_room
 STOPS = 0.12
 """s from a word of the guard to PWM zero."""
 SOON = 6.0
-"""s of quiet, and of rest until the guard ends a lease: 30 of each by default, of which unit tests tell."""
+"""s of quiet, and of rest until the guard ends a lease. The defaults are 30 s each, which unit tests show."""
 
 
 @pytest.fixture

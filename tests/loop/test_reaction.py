@@ -7,7 +7,7 @@ from tests.loop.reaction import drive, intrude
 DIPS = 0
 """A seed whose wild readings cost dips."""
 INTRUSION = 8
-"""The robot takes longest to go on after this one and another one, of the first twelve."""
+"""A seed. Of the first twelve, the robot takes longest to go on after this one and another one."""
 
 
 def test_wild_readings_cost_brief_dips_and_nothing_else() -> None:

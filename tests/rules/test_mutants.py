@@ -19,7 +19,7 @@ ON_A_NETWORK = {
 
 
 def wrong_with(mutant: Mutant, sound: str) -> str:
-    """Return why it breaks nothing that is there; nothing for a good one. Of what is no Python, any test would fail."""
+    """Return why it shows nothing; an empty text for a good one. Any test would fail on a file that is no Python."""
     try:
         mutated(sound, mutant)
         if mutant.file.endswith(".py"):

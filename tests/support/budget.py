@@ -154,7 +154,7 @@ class _Counts:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     def _note_start(self, seconds: float) -> None:
-        """Keep the largest, which does not hang on how many workers there are."""
+        """Keep the time of the process that took most. More workers do not raise it."""
         before = self._spent.get(START, Counter())[PROCESSOR]
         self._spent[START] = Counter({PROCESSOR: max(before, seconds)})
 

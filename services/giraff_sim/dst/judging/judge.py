@@ -95,7 +95,7 @@ class Judge(Ledger):
         return grants[-1].holder if grants else ""
 
     def has_found(self, rules: str) -> bool:
-        """Return whether each of these rules, by their letters, is violated; False of none."""
+        """Return True if each of these rules is violated, named by its letter. Without a rule, return False."""
         return bool(rules) and {found.rule for found in self.violations}.issuperset(rules)
 
     def answered(self, process: Process, request: Any, answer: Any) -> None:
