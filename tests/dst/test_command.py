@@ -18,7 +18,7 @@ from giraff_sim.dst.judging.judge import Violation
 def outcome(seed: int, *violations: Violation) -> Outcome:
     return Outcome(
         seed=seed,
-        digest=f"digest-{seed}",
+        motion_digest=f"digest-{seed}",
         violations=violations,
         story=("  1.000 s  armed", "  2.000 s  VIOLATION (b): too old"),
         counts={"armed": 2, "fault: cut": 1, "stop: forward blocked": 3},
@@ -45,7 +45,9 @@ def test_a_seed_that_fails_tells_its_story_and_how_to_have_it_again() -> None:
     )
     assert ran.exit_code == 1
     assert ran.stderr.count("VIOLATION (b): too old") == 1
-    assert "digest digest-12; again with: giraff dst --seeds 1 --seed 12" in ran.stderr
+    assert (
+        f"motion digest-12, story {outcome(12).story_digest}; again with: giraff dst --seeds 1 --seed 12" in ran.stderr
+    )
     assert "seeds: 5, 100 s simulated" in ran.stderr
     totals = json.loads(ran.stdout)
     assert totals["failures"] == [{"seed": 12, "violations": ["(b) too old"]}]

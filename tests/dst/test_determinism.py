@@ -13,4 +13,5 @@ def test_a_seed_played_again_is_the_same_and_another_is_not() -> None:
     first, again, other = (play(draw(seed, SECONDS), SETTINGS) for seed in (0, 0, 1))
     assert first == again
     assert first.story
-    assert first.digest != other.digest
+    assert first.motion_digest != other.motion_digest
+    assert first.story_digest != other.story_digest

@@ -41,7 +41,11 @@ def _tell(console: Console, outcome: Outcome) -> None:
     console.print(f"\nseed {outcome.seed}: {outcome.path:.2f} m driven, {outcome.contacts} contacts", style="bold")
     for line in outcome.story:
         console.print(line, style="red" if "VIOLATION" in line else None, markup=False, soft_wrap=True)
-    console.print(f"digest {outcome.digest}; again with: giraff dst --seeds 1 --seed {outcome.seed}", soft_wrap=True)
+    console.print(
+        f"motion {outcome.motion_digest}, story {outcome.story_digest}; "
+        f"again with: giraff dst --seeds 1 --seed {outcome.seed}",
+        soft_wrap=True,
+    )
 
 
 def _sum_up(console: Console, totals: Totals, seconds: float) -> None:
@@ -59,7 +63,7 @@ def _sum_up(console: Console, totals: Totals, seconds: float) -> None:
         f"\nseeds: {totals.seeds}, {totals.simulated:g} s simulated in {seconds:.1f} s; the robot drove in "
         f"{totals.drove} of them, {totals.path:.0f} m, {totals.near:.0f} m of it within half a metre of something, was "
         f"granted {totals.counts['granted']} times, armed {totals.counts['armed']} times and touched something "
-        f"{totals.contacts} times; digest {totals.digest[:16]}",
+        f"{totals.contacts} times; motion {totals.motion_digest[:16]}, story {totals.story_digest[:16]}",
         soft_wrap=True,
     )
     console.print(

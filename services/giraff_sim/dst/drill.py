@@ -49,8 +49,8 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     """What a run has come to."""
 
     seed: int
-    digest: str
-    """Of all bytes between base and its board, with their times, of the story, and of where the robot came to rest."""
+    motion_digest: str
+    """SHA-256 of all bytes between base and its board, with their times, and of the pose at the end."""
     violations: tuple[Violation, ...]
     story: tuple[str, ...]
     counts: dict[str, int]
@@ -63,6 +63,11 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def drove(self) -> bool:
         return self.path >= _DRIVES
+
+    @property
+    def story_digest(self) -> str:
+        """SHA-256 of the story. Another wording changes it, and leaves `motion_digest` as it was."""
+        return hashlib.sha256("\n".join(self.story).encode()).hexdigest()
 
 
 def known_settings(environment: Mapping[str, str] = _STOCK) -> Settings:
@@ -277,11 +282,9 @@ def play(
         run = Drill(running, settings, services or Services(), scenario)
         run.run(until_rules)
         plant = world.plant
-        digest = hashlib.sha256(run.cable("base").digest())
-        digest.update("\n".join(run.story.lines).encode() + repr(plant.pose).encode())
         return Outcome(
             seed=scenario.seed,
-            digest=digest.hexdigest(),
+            motion_digest=hashlib.sha256(run.cable("base").digest() + repr(plant.pose).encode()).hexdigest(),
             violations=tuple(run.judge.violations),
             story=tuple(run.story.lines),
             counts=dict(run.story.counts),

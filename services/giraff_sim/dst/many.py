@@ -41,8 +41,9 @@ class Totals(msgspec.Struct, kw_only=True):
     """Times the body came to touch something, whoever moved."""
     counts: Counter[str] = msgspec.field(default_factory=Counter)
     failures: list[Failure] = []
-    digest: str = ""
-    """Of the digests of all seeds."""
+    motion_digest: str = ""
+    """SHA-256 of the motion digests of all seeds, in order."""
+    story_digest: str = ""
 
     def take(self, outcome: Outcome, seconds: float) -> None:
         """Count one more."""
@@ -56,7 +57,12 @@ class Totals(msgspec.Struct, kw_only=True):
         if outcome.violations:
             told = tuple(f"({each.rule}) {each.what}" for each in outcome.violations)
             self.failures.append(Failure(seed=outcome.seed, violations=told))
-        self.digest = hashlib.sha256((self.digest + outcome.digest).encode()).hexdigest()
+        self.motion_digest = _chained(self.motion_digest, outcome.motion_digest)
+        self.story_digest = _chained(self.story_digest, outcome.story_digest)
+
+
+def _chained(before: str, digest: str) -> str:
+    return hashlib.sha256((before + digest).encode()).hexdigest()
 
 
 def run_many(seeds: Iterable[int], jobs: int) -> Iterator[Outcome]:
