@@ -8,6 +8,7 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
+from giraff_schemas.trouble import WELL, Trouble
 
 PictureSize = Literal["full", "small"]
 """In `camera/<name>/@<size>`. `full`: as the robot file has it. `small`: half as wide and high, with as few bytes as
@@ -87,10 +88,8 @@ class CameraState(Sample, frozen=True, kw_only=True):
     height: int
     rate: float
     """Hz. Pictures that the camera took in the last second."""
-    reason: str
-    """Why there are no pictures though somebody looks, with the way out; empty: nothing is wrong."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
+    reason: Trouble = WELL
+    """Why there are no pictures though somebody looks."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.rate)
@@ -118,10 +117,8 @@ class VisualOdometry(Sample, frozen=True, kw_only=True):
     """s from that tick's arrival at the camera's computer until the middle of the exposure."""
     key: int
     """Number of the key picture, from 0."""
-    reason: str
-    """Why this is no measurement; empty: it is one."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
+    reason: Trouble = WELL
+    """Why this is no measurement."""
     motion: Step | None
     """Motion since the key picture, as the picture has it. Where there is a reason it is no measurement: what was seen
     and is not believed. None: nothing was seen."""

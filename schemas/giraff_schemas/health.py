@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import chain, repeat
-
 import msgspec
 
-from giraff_schemas.trouble import Trouble, read_trouble
+from giraff_schemas.trouble import Trouble
 
 
 class WebPage(msgspec.Struct, frozen=True, kw_only=True):
@@ -29,11 +27,11 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     uptime: float
     ok: bool
     """Nothing is wrong with the service itself: its process, its board, its disk."""
-    faults: tuple[str, ...]
-    """What is wrong with it now, each with its way out."""
-    notices: tuple[str, ...] = ()
-    """What it waits for or finds wrong elsewhere, each with its way out."""
-    # What follows is for looking at a robot and comparing machines. An older service leaves it out.
+    faults: tuple[Trouble, ...]
+    """What is wrong with it now."""
+    notices: tuple[Trouble, ...] = ()
+    """What it waits for or finds wrong elsewhere."""
+    # The fields from here on are for a person who looks at a robot, or compares machines.
     publishes: tuple[str, ...] = ()
     """Keys of the topics table on which it speaks, whether or not it has said anything."""
     subscribes: tuple[str, ...] = ()
@@ -50,22 +48,3 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """Wall clock of its host when it answered, ns since 1970."""
     page: WebPage | None = None
     """Of giraff_web; None for every other service."""
-    fault_remedies: tuple[str, ...] = ()
-    """The tail of each of `faults`, which says what to do."""
-    notice_remedies: tuple[str, ...] = ()
-    """The same of `notices`."""
-
-    @property
-    def troubles(self) -> tuple[Trouble, ...]:
-        """What is wrong with the service itself: `faults`, each with its remedy where its version tells it."""
-        return _troubles(self.faults, self.fault_remedies)
-
-    @property
-    def noticed(self) -> tuple[Trouble, ...]:
-        """The same of `notices`."""
-        return _troubles(self.notices, self.notice_remedies)
-
-
-def _troubles(lines: tuple[str, ...], remedies: tuple[str, ...]) -> tuple[Trouble, ...]:
-    """Those of an earlier version have no remedies."""
-    return tuple(map(read_trouble, lines, chain(remedies, repeat(""))))

@@ -69,12 +69,10 @@ class MapPose(Sample, frozen=True, kw_only=True):
     particles: int
     map: str
     """Name of the floor plan; empty: there is none."""
-    reason: str
-    """Why it is not localized, with the way out; else empty."""
+    reason: Trouble = WELL
+    """Why it is not localized."""
     tick: RobotTime | None
     """Of the newest odometry in it; None: there was none yet."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.x, self.y, self.yaw, self.explained, self.way, *self.covariance)
@@ -190,7 +188,5 @@ class LocalizationAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """What localization did with either."""
 
     done: bool
-    reason: str
-    """Why not, with the way out; empty when done."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
+    reason: Trouble = WELL
+    """Why not."""

@@ -11,6 +11,7 @@ from typing import Literal
 import msgspec
 
 from giraff_schemas.checks import require_finite, require_moment
+from giraff_schemas.trouble import WELL, Trouble
 
 
 class RobotTime(msgspec.Struct, frozen=True):
@@ -90,12 +91,10 @@ class DriveCommand(Sample, frozen=True, kw_only=True):
     """rad/s, counter-clockwise positive."""
     source: Source
     """`hand`: a human's wish. `fault`: the operator's side lost the hand; always neutral, and arms nothing."""
-    reason: str
-    """Of a fault: what is wrong and the way out. Else empty."""
+    reason: Trouble = WELL
+    """The fault."""
     tick: RobotTime | None
     """Of the measurement or human event, never renewed. None: the operator has not heard the robot yet."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.linear_x, self.angular_z)
@@ -124,10 +123,8 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Faults of `source` since the guard began. Another number disarms: each word has it, should a fault's be lost."""
     hand_neutral: bool
     """The operator's own command is a hand's and neutral: what arms the robot when held."""
-    reason: str
-    """Why this is less than the operator asked for; empty when it is not."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
+    reason: Trouble = WELL
+    """Why this is less than the operator asked for."""
     free_side: Side = "none"
     """Where a robot that sits down has room, by the ranges of now."""
     heard: tuple[int, ...] = ()
@@ -152,12 +149,10 @@ class Lease(Sample, frozen=True, kw_only=True):
     """Name of the holder; empty: none."""
     counter: int
     """Another one for each grant, never 0; what the holder's commands must carry. 0: free."""
-    reason: str
-    """Why the newest grant, refusal or end, and what an operator who wants to drive does now."""
+    reason: Trouble = WELL
+    """Why the newest grant, refusal or end. The remedy is for an operator who wants to drive."""
     unranked: tuple[str, ...] = ()
     """Operators that have asked to drive, and whose names no table ranks: persons take the robot from them."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
 
 
 class EStop(Sample, frozen=True, kw_only=True):
@@ -168,11 +163,9 @@ class EStop(Sample, frozen=True, kw_only=True):
     """Names this latch: a reset that names another clears nothing."""
     by: str
     """Who engaged it, or reset it."""
-    reason: str
+    reason: Trouble = WELL
     engaged_ns: int = 0
     """Robot time of the newest request to stop, also of one that finds it engaged; 0: none since base began."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
     off: bool = False
     """The stop has switched off a drive that else holds the robot up. Always false where the drive has no such off."""
 
@@ -206,12 +199,10 @@ class Range(Sample, frozen=True, kw_only=True):
     """m from the sensor; only of an echo."""
     echo_us: int
     """Length of the echo pulse as the board measured it; 0 = none."""
-    reason: str
-    """Of a fault: what is wrong and the way out. Else empty."""
+    reason: Trouble = WELL
+    """The fault."""
     tick: RobotTime | None
     """Newest moment the board held when it triggered the ping."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         if (self.range is not None) != (self.state == "echo"):
@@ -333,8 +324,8 @@ class BaseState(Sample, frozen=True, kw_only=True):
     armed: bool
     driving: bool
     """The newest frame to the board asked for motion."""
-    reason: str
-    """Why the robot does not do what the guard let through, and the way out; empty when it does."""
+    reason: Trouble = WELL
+    """Why the robot does not do what the guard let through."""
     guard: str
     """Instance of the guard that base is bound to; empty: none yet."""
     round_trip: float | None
@@ -342,8 +333,6 @@ class BaseState(Sample, frozen=True, kw_only=True):
     budget_left: float | None
     """s until the first of the ticks in use is too old; negative: it is."""
     board: BoardState
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.round_trip or 0.0, self.budget_left or 0.0)
@@ -371,11 +360,19 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     freedom: Freedom
     sensor: str
     """The sensor that limits; empty: none does."""
-    reason: str
-    way_out: str
+    reason: Trouble = WELL
 
     def __post_init__(self) -> None:
         require_finite(self, self.allowed)
+
+
+class SensorState(msgspec.Struct, frozen=True, kw_only=True):
+    """A sensor as the guard judges it."""
+
+    type: str
+    """As in the robot file."""
+    trouble: Trouble = WELL
+    """Why the guard does not trust it."""
 
 
 class GuardState(Sample, frozen=True, kw_only=True):
@@ -387,13 +384,11 @@ class GuardState(Sample, frozen=True, kw_only=True):
     turn_right: Verdict
     operator: str
     """Instance the guard listens to, the holder of the lease; empty: none."""
-    reason: str
-    """Why the newest command was cut; empty when it was not."""
-    sensors: dict[str, str]
-    """By ultrasonic sensor: why it is not trusted; empty when it is."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
-    sensor_remedies: dict[str, str] = {}
-    """By sensor, the same of both `sensors` and `other_sensors`."""
-    other_sensors: dict[str, str] = {}
-    """As `sensors`, of those that say no range."""
+    reason: Trouble = WELL
+    """Why the newest command was cut."""
+    sensors: dict[str, SensorState]
+    """By name, in the order of the robot file."""
+
+    def of_type(self, type_: str) -> list[str]:
+        """Return the names of the sensors of a type."""
+        return [name for name, sensor in self.sensors.items() if sensor.type == type_]

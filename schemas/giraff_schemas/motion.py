@@ -12,6 +12,7 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
+from giraff_schemas.trouble import WELL, Trouble
 
 
 class Move(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="move"):
@@ -139,10 +140,8 @@ class MotionAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """What became of a request: how it ends is said by `MotionState`."""
 
     accepted: bool
-    reason: str
-    """Why not, with the way out; empty when accepted."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
+    reason: Trouble = WELL
+    """Why not."""
 
 
 class MotionHold(Sample, frozen=True, kw_only=True):
@@ -209,10 +208,8 @@ class MotionState(Sample, frozen=True, kw_only=True):
     outcome: Outcome
     sensor: str
     """Of the guard's, which blocks the way; empty: none does."""
-    reason: str
-    """Why it does not move now, or why it has ended, with the way out; empty when it moves, or has arrived."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
+    reason: Trouble = WELL
+    """Why it does not move now, or why it has ended before it arrived."""
 
     def __post_init__(self) -> None:
         require_finite(self, *self.covariance, self.elapsed, self.time_limit)
@@ -237,6 +234,5 @@ IDLE = MotionState(
     time_limit=0.0,
     outcome="",
     sensor="",
-    reason="",
 )
 """Nobody has asked for a motion yet."""

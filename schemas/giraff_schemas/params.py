@@ -6,6 +6,8 @@ from typing import Any, Literal
 
 import msgspec
 
+from giraff_schemas.trouble import WELL, Trouble
+
 LiveText = Literal["up", "down", "free", "checked", "fixed"]
 
 
@@ -56,11 +58,9 @@ class ParamAnswer(msgspec.Struct, frozen=True, kw_only=True):
     host: str
     done: bool
     """What was asked is so now."""
-    reason: str
-    """Why not, with the way out; empty when done."""
+    reason: Trouble = WELL
+    """Why not."""
     params: tuple[Param, ...]
     """Those it is about, as they are now."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
     mistyped: bool = False
     """There is no such parameter, or it cannot have such a value: nothing was tried."""

@@ -9,13 +9,14 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import WELL, Trouble
 
 
 class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
     """Asks base to stop at once and stay so."""
 
     by: str
-    reason: str
+    reason: Trouble = WELL
     off: bool = False
     """Also switch off a drive that holds the robot up while it is stopped. A stop that is off stays off until it is
     reset."""
@@ -39,12 +40,10 @@ class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """The state is as asked, and on disk."""
     engaged: bool
     id: int
-    reason: str
-    """Why not, with the way out; empty when done."""
+    reason: Trouble = WELL
+    """Why not."""
     instance: str = ""
     """Of the base that answers. Its `estop` samples carry it, too: without them an answer proves no stop."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
     board_reached: bool = True
     """Base hears its board. A board that hears no base stops the wheels by itself."""
 
@@ -108,7 +107,5 @@ class OdomAnswer(msgspec.Struct, frozen=True, kw_only=True):
     done: bool
     jumps: int
     """`Odometry.jumps` of the samples from now on."""
-    reason: str
-    """Why not, with the way out; empty when done."""
-    remedy: str = ""
-    """Tail of `reason`: what to do about it."""
+    reason: Trouble = WELL
+    """Why not."""

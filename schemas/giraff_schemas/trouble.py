@@ -1,16 +1,8 @@
-"""What is wrong, and what to do about it: two texts, which people read as one line.
-
-On the wire the line stands in one field, and its remedy, which is its tail, in a second one beside it. So a host of an
-earlier version reads the line as ever, and nobody takes it apart.
-"""
+"""Trouble: what is wrong, and what to do about it. People read both as one line, and programs read each by itself."""
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import msgspec
-
-_BETWEEN = "; "
 
 
 class Trouble(msgspec.Struct, frozen=True):
@@ -25,7 +17,7 @@ class Trouble(msgspec.Struct, frozen=True):
         return bool(self.what)
 
     def __str__(self) -> str:
-        return f"{self.what}{_BETWEEN}{self.remedy}" if self.remedy else self.what
+        return f"{self.what}; {self.remedy}" if self.remedy else self.what
 
     def of(self, whom: str) -> Trouble:
         """The same, after the name of what has it."""
@@ -33,31 +25,3 @@ class Trouble(msgspec.Struct, frozen=True):
 
 
 WELL = Trouble()
-
-
-class Told(Protocol):
-    """A message that says why something is not as it was asked for."""
-
-    @property
-    def reason(self) -> str:
-        """The whole line; empty: nothing is wrong."""
-        ...
-
-    @property
-    def remedy(self) -> str:
-        """The tail of `reason`; empty: it has none, or an earlier version has made it."""
-        ...
-
-
-def read_trouble(line: str, remedy: str) -> Trouble:
-    """What the two fields of a message say."""
-    if not line:
-        return WELL
-    tail = f"{_BETWEEN}{remedy}"
-    what = line.removesuffix(tail)
-    return Trouble(what, remedy) if remedy and what not in ("", line) else Trouble(line)
-
-
-def trouble_of(told: Told) -> Trouble:
-    """What a message says is wrong."""
-    return read_trouble(told.reason, told.remedy)

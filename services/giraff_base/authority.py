@@ -14,7 +14,7 @@ from giraff_base.estop import EStopControl
 from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime, Side
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 _NO_GUARD: Final = Trouble("the guard is not heard", "start giraff_guard on this machine")
 _CLOCK_WENT_BACK: Final = Trouble("the robot's clock went back", "restart giraff_base")
@@ -88,7 +88,7 @@ class Authority:
         if self.battery.share < share:
             share, late = self.battery.share, self.battery.warning
         slowed = late.of("slowed") if share < 1.0 and not command.neutral else WELL
-        return command.linear_x * share, command.angular_z * share, trouble_of(command) or slowed
+        return command.linear_x * share, command.angular_z * share, command.reason or slowed
 
     def free_side(self, now: RobotTime) -> Side:
         """Return where the guard in charge sees room to sit down. Its word counts as long as its tick does."""
@@ -113,7 +113,7 @@ class Authority:
 
     def _unfounded(self, command: GuardedCommand, ages: Ages) -> Trouble:
         """Why the command in charge moves nothing: it is stale, of a hand that was lost, or nobody's."""
-        told = trouble_of(command)
+        told = command.reason
         if ages.guard > self._live.config.guard_budget:
             return self._refused or _NO_GUARD
         if ages.operator > self._live.config.operator_budget:

@@ -6,7 +6,6 @@ import math
 from typing import Final
 
 from giraff_base.config import BaseConfig
-from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.live import Live
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
@@ -109,8 +108,7 @@ class BatteryWatch:
     @property
     def emergency_stop(self) -> EStopEngage:
         """The emergency stop that an empty battery engages."""
-        why = self.stops
-        return EStopEngage(by=_BY, reason=f"{why.what}; {why.remedy}, then {RESET_COMMAND}")
+        return EStopEngage(by=_BY, reason=self.stops)
 
     @property
     def since_charge(self) -> float | None:

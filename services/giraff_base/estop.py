@@ -10,7 +10,7 @@ from giraff_core.estop.latch import RELEASED, RESET_COMMAND, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.text import brief, printable
+from giraff_schemas.text import brief
 from giraff_schemas.trouble import WELL, Trouble
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
@@ -23,11 +23,9 @@ class EStopControl:
 
     def __init__(self, latch: EStopLatch, reset_budget: float, *, knows_off: bool) -> None:
         """`knows_off`: of the drive. Without it, nothing is off, and no one is told that it is."""
-        # An older base has kept texts as they came.
-        by, reason = printable(latch.by), printable(latch.reason)
         off = latch.engaged and latch.off and knows_off
         empty = latch.engaged and latch.empty
-        self.latch = msgspec.structs.replace(latch, by=by, reason=reason, off=off, empty=empty)
+        self.latch = msgspec.structs.replace(latch, off=off, empty=empty)
         self._knows_off = knows_off
         self._reset_budget = reset_budget
         self._engaged_ns = 0
@@ -39,7 +37,7 @@ class EStopControl:
     def stops(self) -> Trouble:
         """Why nothing may move."""
         latch = self.latch
-        return latch.trouble.of(f"emergency stop by {latch.by}") if latch.engaged else WELL
+        return latch.reason.of(f"emergency stop by {latch.by}") if latch.engaged else WELL
 
     def engage(self, asked: EStopEngage, now: RobotTime, *, empty: bool = False) -> None:
         """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves.
@@ -48,9 +46,9 @@ class EStopControl:
         battery was `empty`.
         """
         self._engaged_ns = now.robot_ns
-        by, reason = brief(asked.by), brief(asked.reason)
-        if RESET_COMMAND not in reason:
-            reason = f"{reason}; to go on: {RESET_COMMAND}"
+        by, why = brief(asked.by), asked.reason
+        remedy = f"{brief(why.remedy)}, then {RESET_COMMAND}" if why.remedy else f"to go on: {RESET_COMMAND}"
+        reason = Trouble(brief(why.what), remedy)
         off = self.latch.off or (asked.off and self._knows_off)
         empty = self.latch.empty or empty
         latch = EStopLatch(engaged=True, id=self.latch.id, by=by, reason=reason, off=off, empty=empty)
@@ -67,7 +65,7 @@ class EStopControl:
         if reset.id != latch.id:
             other = f"latch {reset.id} is not the one engaged, which is"
             if latch.engaged:
-                return latch.trouble.of(f"{other} latch {latch.id} by {latch.by}")
+                return latch.reason.of(f"{other} latch {latch.id} by {latch.by}")
             return Trouble(f"{other} none, it is released")
         if latch.engaged and age(reset.tick, now) > self._reset_budget:
             return Trouble(
@@ -80,7 +78,7 @@ class EStopControl:
 
     def released(self, reset: EStopReset) -> EStopLatch:
         """The latch as `reset` leaves it."""
-        return EStopLatch(engaged=False, id=self.latch.id, by=brief(reset.by), reason="")
+        return EStopLatch(engaged=False, id=self.latch.id, by=brief(reset.by))
 
     def answer(self, why_not: Trouble = WELL) -> EStopAnswer:
         """`why_not`: what was asked is not done, and why."""
@@ -88,8 +86,7 @@ class EStopControl:
             done=not why_not,
             engaged=self.latch.engaged,
             id=self.latch.id,
-            reason=str(why_not),
-            remedy=why_not.remedy,
+            reason=why_not,
         )
 
     def sample(self) -> EStop:
@@ -103,7 +100,6 @@ class EStopControl:
                 by=latch.by,
                 reason=latch.reason,
                 engaged_ns=self._engaged_ns,
-                remedy=latch.trouble.remedy,
                 off=latch.off,
             )
         return sample

@@ -138,9 +138,8 @@ class EStopServer:
                     done=not why_not,
                     engaged=latch.engaged,
                     id=latch.id,
-                    reason=str(why_not),
+                    reason=why_not,
                     instance=self._instance,
-                    remedy=why_not.remedy,
                     board_reached=self._policy.hears_board,
                 )
             )

@@ -149,12 +149,11 @@ class BasePolicy:
         return BaseState(
             armed=authority.arming.armed,
             driving=self._driving,
-            reason=str(reason),
+            reason=reason,
             guard=authority.binding.guard,
             round_trip=authority.round_trip if is_there else None,
             budget_left=authority.budget_left if is_there else None,
             board=msgspec.structs.replace(self._drive.state(), report_ms=self._live.config.drive.board_type.report_ms),
-            remedy=reason.remedy,
         )
 
     def estop(self) -> EStop:

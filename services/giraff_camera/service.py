@@ -163,8 +163,7 @@ class Camera:
                 width=self._model.width,
                 height=self._model.height,
                 rate=self._capture.rate if self._policy.is_on else 0.0,
-                reason=str(trouble),
-                remedy=trouble.remedy,
+                reason=trouble,
             )
         )
         self._policy.on_state_sent(self._stated, now)

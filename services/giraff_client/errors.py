@@ -52,20 +52,19 @@ class EmergencyStopError(RobotError):
             "then `giraff estop reset` and robot.arm()"
         )
         self.by = state.by
-        self.reason = state.reason
+        self.reason = str(state.reason)
 
 
 class BlockedError(RobotError):
     """The guard lets nothing through in a direction that a script asks for."""
 
     def __init__(self, direction: Direction, verdict: Verdict) -> None:
-        way_out = f"; {verdict.way_out}" if verdict.way_out else ""
-        super().__init__(f"{direction} blocked: {verdict.reason}{way_out}")
+        super().__init__(f"{direction} blocked: {verdict.reason}")
         self.direction = direction
         self.sensor = verdict.sensor
         """Name of the sensor that blocks; empty: none does."""
-        self.reason = verdict.reason
-        self.way_out = verdict.way_out
+        self.reason = verdict.reason.what
+        self.way_out = verdict.reason.remedy
         """What the script can do instead; empty: nothing is known."""
 
 

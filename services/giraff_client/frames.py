@@ -121,7 +121,9 @@ class FrameFinder:
         if not is_fresh(POSE, old):
             fault = f"the pose on the map is silent for {old:.1f} s; check giraff_localization"
         elif pose.state != "localized":
-            fault = pose.reason or f"it is not known where the robot is on the map ({pose.state}); `giraff localize`"
+            fault = (
+                str(pose.reason) or f"it is not known where the robot is on the map ({pose.state}); `giraff localize`"
+            )
         elif not self._origin.holds(pose.tick):
             fault = "the pose on the map is from before odometry was set or began anew; wait for localization"
         else:

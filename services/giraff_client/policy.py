@@ -78,7 +78,9 @@ class OperatorPolicy:
         state, _ = self._base
         if not self._operator.holds:
             return self._refused()
-        return NotArmedError(state.reason if state is not None else "base is not heard; check that giraff_base runs")
+        return NotArmedError(
+            str(state.reason) if state is not None else "base is not heard; check that giraff_base runs"
+        )
 
     def drive(self, linear_x: float, angular_z: float, now: float) -> DriveCommand:
         """A wish of this moment: m/s and rad/s. Raises RobotError where it can no longer be obeyed."""

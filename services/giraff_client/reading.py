@@ -8,9 +8,11 @@ from typing import Any, Final
 import msgspec
 
 from giraff_client.errors import BlockedError
+from giraff_core.sensors import ULTRASONIC
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.messages import GuardState, Range, Sample
 from giraff_schemas.topics import GUARD, RANGE, Topic
+from giraff_schemas.trouble import Trouble
 
 _FRESH: Final = 1.0
 """s; what was said longer ago says nothing of now."""
@@ -60,7 +62,7 @@ def require_finite(call: str, units: str, *values: object) -> None:
 
 def _sensors(heard: Heard) -> list[str]:
     state, _ = heard.get(GUARD.key, (None, 0.0))
-    told = state.sensors if isinstance(state, GuardState) else {}
+    told = state.of_type(ULTRASONIC) if isinstance(state, GuardState) else []
     return sorted({*told, *(key.removeprefix(_PREFIX) for key in heard if key.startswith(_PREFIX))})
 
 
@@ -68,9 +70,9 @@ def _range_of(sensor: str, heard: Heard, now: float) -> Range:
     key = _PREFIX + sensor
     reading, at = heard.get(key, (None, 0.0))
     if not isinstance(reading, Range):
-        never = f"{key} was never heard; check that giraff_ranger runs, and this sensor's wires"
+        never = Trouble(f"{key} was never heard", "check that giraff_ranger runs, and this sensor's wires")
         return Range(sensor=sensor, state="fault", range=None, echo_us=0, reason=never, tick=None)
     if is_fresh(RANGE, now - at):
         return reading
-    silent = f"{key} is silent for {now - at:.1f} s; check giraff_ranger and its board"
+    silent = Trouble(f"{key} is silent for {now - at:.1f} s", "check giraff_ranger and its board")
     return msgspec.structs.replace(reading, state="fault", range=None, echo_us=0, reason=silent)

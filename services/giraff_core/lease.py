@@ -8,7 +8,7 @@ from typing import Final
 import msgspec
 
 from giraff_schemas.messages import Lease
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 ASK: Final = 0
 """The counter of a command that asks for the lease."""
@@ -57,7 +57,7 @@ class LeaseClient:
         self._lease = lease
         if self.holds:
             self._held = lease.counter
-        self.refusal = WELL if self.holds else _RENEWED if self._is_mine(lease) else trouble_of(lease)
+        self.refusal = WELL if self.holds else _RENEWED if self._is_mine(lease) else lease.reason
 
     @property
     def holds(self) -> bool:

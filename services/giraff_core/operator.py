@@ -17,7 +17,7 @@ from giraff_core.lease import LeaseClient, unranked_notice
 from giraff_core.timer import PromptTimer, Timer
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Lease, RobotTime, Tick
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, SampleT, Topic
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 LINK_SILENCE: Final = 0.5
 """s without a new tick of the robot after which it counts as lost."""
@@ -124,8 +124,7 @@ class Operator(RobotLink):
                 linear_x=0.0,
                 angular_z=0.0,
                 source="fault",
-                reason=str(trouble),
-                remedy=trouble.remedy,
+                reason=trouble,
                 tick=tick,
             )
         return DriveCommand(
@@ -134,7 +133,6 @@ class Operator(RobotLink):
             linear_x=asked.linear_x,
             angular_z=asked.angular_z,
             source="hand",
-            reason="",
             tick=asked.tick,
         )
 
@@ -261,4 +259,4 @@ def what_stops(own: Trouble, base: BaseState | None, guard: GuardState | None) -
         return _NO_GUARD
     if base is None:
         return _NO_BASE
-    return trouble_of(guard) or trouble_of(base)
+    return guard.reason or base.reason

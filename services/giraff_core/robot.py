@@ -12,7 +12,7 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.kinematics.parts import ANGLE, PLACE, PartPose, check_parts, fixed_transform
-from giraff_core.sensors import HC_SR04, Bumper, Camera, UltrasonicModel
+from giraff_core.sensors import BUMPER, HC_SR04, ULTRASONIC, Bumper, Camera, UltrasonicModel
 from giraff_core.tuning import Tuning
 from giraff_schemas.frames import Transform, camera_frame, range_frame
 from giraff_schemas.topics import require_chunk
@@ -120,9 +120,9 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         check_parts(self.frames, [*map(range_frame, self.sensors), *map(camera_frame, self.cameras)])
 
     @property
-    def sensor_names(self) -> tuple[str, ...]:
-        """All that the guard listens to."""
-        return *self.sensors, *self.bumpers
+    def sensor_types(self) -> dict[str, str]:
+        """Return the type, as in the robot file, of each sensor that the guard listens to, by name."""
+        return dict.fromkeys(self.sensors, ULTRASONIC) | dict.fromkeys(self.bumpers, BUMPER)
 
     @property
     def sensor_poses(self) -> dict[str, tuple[float, float, float]]:

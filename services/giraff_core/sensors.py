@@ -14,19 +14,20 @@ import msgspec
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.parts import ANGLE, PLACE, fixed_transform
 from giraff_core.tuning import Tuning
+from giraff_schemas import topics
 from giraff_schemas.frames import Transform, camera_frame
-from giraff_schemas.topics import BUMPER, RANGE, Topic
 from giraff_schemas.wires.bumper import BUMPERS
 
 ULTRASONIC: Final = "hc-sr04"
 """The type of a sensor that names none."""
-_TABLES: Final = {"bumper": "bumpers", "camera": "cameras"}
+BUMPER: Final = "bumper"
+_TABLES: Final = {BUMPER: "bumpers", "camera": "cameras"}
 """By type, the table of `RobotConfig` that holds all of it."""
 TYPES: Final = (*_TABLES, ULTRASONIC)
 TABLES: Final = ("sensors", "models", *_TABLES.values())
 """The fields of `RobotConfig` that hold what `[robot.sensors]` of a file says."""
 
-SENSED: Final[dict[str, Topic[Any]]] = {"sensors": RANGE, "bumpers": BUMPER}
+SENSED: Final[dict[str, topics.Topic[Any]]] = {"sensors": topics.RANGE, "bumpers": topics.BUMPER}
 """Topic of the sensors of each table in `RobotConfig`. Guard and replay read the topics in this order."""
 
 

@@ -10,7 +10,7 @@ from giraff_core.lease import ASK, HOW_TO_ASK, IDLE
 from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again
 _MOST_AHEAD: Final = 1000
@@ -100,7 +100,7 @@ class Authority:
         if not self.holder:
             return None, self.reason(now)
         if command is not None and command.source == "fault":
-            return None, trouble_of(command).of(self.operator)
+            return None, command.reason.of(self.operator)
         if command is not None and command.lease_counter != self.counter:
             return None, Trouble(f"{self.operator} has not heard under which lease it drives", _LINK)
         if command is None or age(command.tick, now) > self._live.config.operator_budget:
@@ -130,7 +130,7 @@ class Authority:
         self._note_name(command.operator)
         if command.source == "fault":
             if not self.holder:
-                self._complaint, self._complaint_ns = trouble_of(command).of(command.operator), now.robot_ns
+                self._complaint, self._complaint_ns = command.reason.of(command.operator), now.robot_ns
             return
         outranks = self._live.config.rank(command.operator) > self._live.config.rank(self.operator)
         # A holder that has driven under its lease and asks again has another hand. Base must be armed by that one.
@@ -170,7 +170,7 @@ class Authority:
     def _complain(self, command: DriveCommand, old: float, now: RobotTime) -> None:
         """Keep why a command that would matter did not count."""
         if command.source == "fault":
-            why = trouble_of(command)
+            why = command.reason
         elif math.isfinite(old):
             why = Trouble(f"its command is {old:.1f} s old", "check its link and its service")
         else:

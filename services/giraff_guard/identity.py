@@ -72,7 +72,7 @@ class Identity:
     def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
         self._silence = config.maker_silence
         self._base = Bond("base", config.maker_silence)
-        self._rangers = {name: Bond(f"ranger for {name}", config.maker_silence) for name in robot.sensor_names}
+        self._rangers = {name: Bond(f"ranger for {name}", config.maker_silence) for name in robot.sensor_types}
         self._tick: Tick | None = None
         self._report_seqs: dict[type[Wheels | Attitude], int] = {}
         self._foreign_ns: int | None = None

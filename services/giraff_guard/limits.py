@@ -9,6 +9,7 @@ from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.stopping import fastest, stopping_distance
 from giraff_schemas.messages import Freedom, Verdict
+from giraff_schemas.trouble import Trouble
 
 Way = Literal["forward", "backward"]
 
@@ -52,7 +53,7 @@ class Limits:
 
     def block(self, sensor: str, reason: str) -> Verdict:
         """Nothing passes."""
-        return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=reason, way_out="")
+        return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=Trouble(reason))
 
     def creep(self, sensor: str, reason: str) -> Verdict:
         """As slowly as where nobody looks."""
@@ -61,6 +62,6 @@ class Limits:
     def allow(self, allowed: float, sensor: str = "", reason: str = "") -> Verdict:
         """Up to `allowed` m/s; what the robot cannot do anyway is free."""
         if allowed >= self.most:
-            return Verdict(allowed=self.most, freedom="free", sensor="", reason="", way_out="")
+            return Verdict(allowed=self.most, freedom="free", sensor="")
         freedom: Freedom = "creep" if allowed <= self.config.creep_linear else "slow"
-        return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason, way_out="")
+        return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=Trouble(reason))

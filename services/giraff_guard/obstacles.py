@@ -19,7 +19,7 @@ from giraff_schemas.messages import Attitude, RobotTime, Side, Verdict, Wheels
 from giraff_schemas.trouble import WELL, Trouble
 
 _BACK: Final[dict[Way, str]] = {"forward": "back up", "backward": "drive forward"}
-_UNJUDGED: Final = Verdict(allowed=0.0, freedom="blocked", sensor="", reason="nothing is judged yet", way_out="wait")
+_UNJUDGED: Final = Verdict(allowed=0.0, freedom="blocked", sensor="", reason=Trouble("nothing is judged yet", "wait"))
 
 
 class Verdicts(NamedTuple):
@@ -158,7 +158,7 @@ class Obstacles:
             turn = self._verdicts.turn_left
             if abs(angular) > turn.allowed:
                 angular = math.copysign(turn.allowed, angular)
-                reason = reason or Trouble(f"turning slowed: {turn.reason}")
+                reason = reason or turn.reason.of("turning slowed")
         return Limited(linear, angular, reason, range_tick)
 
     def _begin(self) -> None:
@@ -173,7 +173,7 @@ class Obstacles:
         return min(verdicts, key=lambda each: each.allowed)
 
     def _turn(self) -> Verdict:
-        free = Verdict(allowed=self._robot.max_angular_speed, freedom="free", sensor="", reason="", way_out="")
+        free = Verdict(allowed=self._robot.max_angular_speed, freedom="free", sensor="")
         return min((source.turn(self._motion) or free for source in self._sources), key=lambda each: each.allowed)
 
     def _with_way_out(self, way: Way, verdict: Verdict, *, other: Verdict) -> Verdict:
@@ -182,7 +182,8 @@ class Obstacles:
             return verdict
         side = next(filter(None, (source.freer_side(way) for source in self._sources)), "")
         turn = f"turn {side}".strip()
-        return msgspec.structs.replace(verdict, way_out=f"{turn} or {_BACK[way]}" if other.allowed > 0.0 else turn)
+        remedy = f"{turn} or {_BACK[way]}" if other.allowed > 0.0 else turn
+        return msgspec.structs.replace(verdict, reason=Trouble(verdict.reason.what, remedy))
 
     def _within_the_robots_means(self, linear: float, angular: float) -> tuple[float, float, Trouble]:
         largest = self._robot.max_angular_speed
@@ -194,7 +195,7 @@ class Obstacles:
 
     def _on_this_path(self, verdict: Verdict, way: Way, curvature: float, now: RobotTime) -> tuple[float, Trouble]:
         """The speed along a curve and why: a curve sweeps what straight ahead does not."""
-        allowed, why = verdict.allowed, Trouble(verdict.reason, verdict.way_out)
+        allowed, why = verdict.allowed, verdict.reason
         for source in self._sources:
             swept = source.curve(way, curvature, self._motion, now)
             if swept is not None and swept[0] < allowed:

@@ -21,6 +21,7 @@ from giraff_schemas.messages import (
     Lease,
     RobotTime,
     Sample,
+    SensorState,
     Tick,
     Wheels,
 )
@@ -43,7 +44,7 @@ class GuardPolicy:
         self._authority = Authority(live, first_lease)
         self._obstacles = Obstacles(live, robot)
         self._floods = FloodWatch()
-        self._ultrasonic = robot.sensors
+        self._types = robot.sensor_types
         self._replacements = 0  # how often `fault` has come to be
         self.fault = WELL
         """Two processes where one may be, as `decide` found it."""
@@ -116,8 +117,7 @@ class GuardPolicy:
             source="fault" if self.fault or newest is None else newest.source,
             faults=authority.faults + self._replacements,
             hand_neutral=asked is not None and asked.neutral,
-            reason=str(self._reason),
-            remedy=self._reason.remedy,
+            reason=self._reason,
             free_side="none" if self.fault else self._obstacles.free_side(now),
             heard=heard,
             decided_us=-1 if tick is None else (robot_ns - tick.robot_ns) // 1000,
@@ -133,11 +133,8 @@ class GuardPolicy:
             turn_left=verdicts.turn_left,
             turn_right=verdicts.turn_right,
             operator=self._authority.holder,
-            reason=str(self._reason),
-            remedy=self._reason.remedy,
-            sensors={name: str(trouble) for name, trouble in sensors.items() if name in self._ultrasonic},
-            other_sensors={name: str(trouble) for name, trouble in sensors.items() if name not in self._ultrasonic},
-            sensor_remedies={name: trouble.remedy for name, trouble in sensors.items()},
+            reason=self._reason,
+            sensors={name: SensorState(type=self._types[name], trouble=why) for name, why in sensors.items()},
         )
 
     def lease(self) -> Lease:
@@ -148,8 +145,7 @@ class GuardPolicy:
             holder=authority.holder,
             operator=authority.operator,
             counter=authority.counter,
-            reason=str(who),
-            remedy=who.remedy,
+            reason=who,
             unranked=self.unranked,
         )
 

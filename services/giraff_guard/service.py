@@ -16,6 +16,7 @@ from giraff_guard.kinds import sensed_by
 from giraff_guard.policy import GuardPolicy, number_place, numbers_unheard
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import ATTITUDE, CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, WHEELS, SampleT
+from giraff_schemas.trouble import WELL
 
 
 class Guard:
@@ -43,7 +44,7 @@ class Guard:
         self._timer = PromptTimer(CMD_VEL.rate_hz)
         self._state_timer, self._lease_timer = Timer(GUARD.rate_hz), Timer(LEASE.rate_hz)
         self.timers = (self._timer,)
-        self._reason, self._counter = "", 0
+        self._reason, self._counter = WELL, 0
         self._numbers = numbers_unheard(robot)
 
     def turn(self, now: float) -> None:

@@ -69,7 +69,7 @@ def _unwell(service: str, answer: bytes) -> int:
     import json  # noqa: PLC0415  each service imports this module for the path alone
 
     try:
-        faults = [str(fault) for fault in json.loads(answer)["faults"]]
+        faults = ["; ".join(filter(None, (each["what"], each["remedy"]))) for each in json.loads(answer)["faults"]]
     except (ValueError, KeyError, TypeError, RecursionError):
         print(f"{service}: not an answer of a service of this version: {answer[:200]!r}")
         return 2

@@ -120,7 +120,7 @@ class DrivePicture:
             return "nobody's: press an arrow key or c to take it, then let go of all keys", _WAITS
         if base.sample.armed:
             return "yours, armed: hold an arrow key to drive", _GOOD
-        how = _HOW_TO_ARM.search(for_keys(base.sample.reason))
+        how = _HOW_TO_ARM.search(for_keys(str(base.sample.reason)))
         return f"yours, not armed: {how.group() if how else 'WHY says what is missing'}", _WAITS
 
     def reason(self) -> tuple[str, str]:
@@ -189,5 +189,5 @@ def _directions(snapshot: Snapshot) -> Iterator[Paragraph]:
             head.append(f"{verdict.freedom:<8}", style=blocks.FREEDOM_STYLE[verdict.freedom])
             unit = "rad/s" if label.startswith("turn") else "m/s"
             head.append(f"{verdict.allowed:.2f} {unit:<6}", style="default")
-            why = for_keys("; ".join(text for text in (verdict.reason, verdict.way_out) if text))
+            why = for_keys(str(verdict.reason))
         yield Paragraph(head, why, "default", _ROWS_OF_A_DIRECTION, _DIRECTION, low_rows=1)

@@ -23,6 +23,7 @@ from giraff_schemas.topics import (
     ESTOP_RESET,
     Topic,
 )
+from giraff_schemas.trouble import Trouble
 
 _STATUS_HZ: Final = 10
 _LAST: Final = 10
@@ -55,7 +56,7 @@ class Keyboard(OperatorService):
         self._hold = StopHold()
 
         def engage(settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
-            asked = EStopEngage(by=by, reason="space bar held" if off else "space bar", off=off)
+            asked = EStopEngage(by=by, reason=Trouble("space bar held" if off else "space bar"), off=off)
             return io.ask(ESTOP_ENGAGE, asked, settles)
 
         self.stopping = EStopRequest(engage, "press r to release it", is_open=io.is_open)

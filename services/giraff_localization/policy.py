@@ -148,9 +148,8 @@ class LocalizationPolicy:
             way=0.0 if judgement is None else judgement.way,
             particles=0 if search is None else search.cloud.count,
             map=name,
-            reason=str(reason),
+            reason=reason,
             tick=None if last is None else last.tick,
-            remedy=reason.remedy,
         )
 
     def particles(self) -> Particles:
@@ -203,14 +202,14 @@ class LocalizationPolicy:
 
     def _search(self, wish: tuple[str, int], told: Told | None) -> LocalizationAnswer:
         if wish in self._granted:
-            return LocalizationAnswer(done=True, reason="")
+            return LocalizationAnswer(done=True)
         if self._floor is None or self._filter is None:
             return _refused(self._no_map)
         if told is not None and (refusal := _refusal(told, self._floor)):
             return _refused(refusal)
         self._granted.append(wish)
         self._begin_search(self._floor, told)
-        return LocalizationAnswer(done=True, reason="")
+        return LocalizationAnswer(done=True)
 
     def _begin_search(self, floor: Floor, told: Told | None) -> None:
         self._searches += 1
@@ -254,7 +253,7 @@ def _read_so_far(share: float) -> Trouble:
 
 
 def _refused(why: Trouble) -> LocalizationAnswer:
-    return LocalizationAnswer(done=False, reason=str(why), remedy=why.remedy)
+    return LocalizationAnswer(done=False, reason=why)
 
 
 def _origin_in(frame: Pose, pose: Pose) -> Pose:

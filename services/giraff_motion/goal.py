@@ -213,8 +213,7 @@ class Goal:
             time_limit=self.time_limit,
             outcome=self.outcome,
             sensor=self._blocked.sensor if self._blocked is not None else "",
-            reason=str(self.reason),
-            remedy=self.reason.remedy,
+            reason=self.reason,
         )
 
     def _next(self) -> None:
@@ -226,7 +225,7 @@ class Goal:
     def _wait(self, verdict: Verdict, now: float) -> None:
         if self._blocked_since is None:
             self._blocked_since = now
-        self._blocked, self.reason = verdict, Trouble(verdict.reason, verdict.way_out)
+        self._blocked, self.reason = verdict, verdict.reason
 
 
 def _verdict_of(guard: GuardState, direction: Direction) -> Verdict:

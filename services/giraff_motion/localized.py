@@ -16,7 +16,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.motion import GoTo, Step
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 _HEARD: Final = 1.0
 """s; localization tells the pose ten times a second."""
@@ -84,7 +84,7 @@ class Localized:
             return _TWO
         if pose.state not in {"localized", "told"}:
             unknown = f"it is not known where the robot is on the map ({pose.state})"
-            return trouble_of(pose) or Trouble(unknown, "`giraff localize`")
+            return pose.reason or Trouble(unknown, "`giraff localize`")
         if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._origin.holds(pose.tick):
             return _OLD
         return WELL

@@ -30,7 +30,7 @@ from giraff_schemas.motion import (
     steps_of,
 )
 from giraff_schemas.services import MOTION
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 _WISH_COUNTS: Final = 1.0
 """s after which a request is too old to begin anything."""
@@ -123,7 +123,7 @@ class MotionPolicy(Hand):
         if (met := self._answers.get(request.id)) is not None:
             return met
         why = self._begin(request, now)
-        answer = self._answers[request.id] = MotionAnswer(accepted=not why, reason=str(why), remedy=why.remedy)
+        answer = self._answers[request.id] = MotionAnswer(accepted=not why, reason=why)
         if len(self._answers) > _REMEMBERED:
             del self._answers[next(iter(self._answers))]
         return answer
@@ -132,9 +132,9 @@ class MotionPolicy(Hand):
         """Stop at once, whoever asks for it."""
         motion = self._going_on
         if motion is None or request.id not in (0, motion.id):
-            return MotionAnswer(accepted=False, reason="no such motion goes on")
+            return MotionAnswer(accepted=False, reason=Trouble("no such motion goes on"))
         motion.end("cancelled", Trouble(f"cancelled by {request.by}"), now)
-        return MotionAnswer(accepted=True, reason="")
+        return MotionAnswer(accepted=True)
 
     def poll(self, now: float) -> Wish | Fault | None:
         """What to say next, fifty times a second; None: this operator has nothing to say."""
@@ -214,9 +214,9 @@ class MotionPolicy(Hand):
         if base is None or now - heard > _STATES_COUNT:
             return _NO_BASE
         if self._estop is not None and self._estop.engaged:
-            stop = trouble_of(self._estop).of(f"emergency stop, engaged by {self._estop.by}")
+            stop = self._estop.reason.of(f"emergency stop, engaged by {self._estop.by}")
             return _and_then(stop, "release it, then ask again")
-        return WELL if base.board.connected else _and_then(trouble_of(base), "then ask again")
+        return WELL if base.board.connected else _and_then(base.reason, "then ask again")
 
     def _review(self, motion: Goal, now: float) -> None:
         """End what must not go on; begin to move once the robot is armed."""
@@ -233,7 +233,7 @@ class MotionPolicy(Hand):
     @property
     def _base_trouble(self) -> Trouble:
         base, _ = self._base
-        return WELL if base is None else trouble_of(base)
+        return WELL if base is None else base.reason
 
     def _robot_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         if reason := self._unfit(now):
@@ -257,7 +257,7 @@ class MotionPolicy(Hand):
             return ("lost_lease", self.operator.refusal) if lost else None
         base, _ = self._base
         if motion.stage == "moving" and base is not None and not base.armed:
-            return "disarmed", trouble_of(base)
+            return "disarmed", base.reason
         return None
 
     def _map_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
@@ -276,7 +276,7 @@ class MotionPolicy(Hand):
         elif now - motion.began > _ARMS_WITHIN and is_armed:
             motion.end("lost_odometry", _NO_ODOMETRY, now)
         elif now - motion.began > _ARMS_WITHIN:
-            reason = trouble_of(base) if base is not None and self.operator.holds else self.operator.refusal
+            reason = base.reason if base is not None and self.operator.holds else self.operator.refusal
             motion.end("disarmed", reason, now)
 
     def _twist(self, motion: Goal, now: float) -> tuple[float, float]:

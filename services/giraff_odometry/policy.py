@@ -121,7 +121,7 @@ class OdometryPolicy:
             for name, bounds in _SETTABLE.items():
                 bounds.require(name, getattr(request, name))
         except ValueError as error:
-            return OdomAnswer(done=False, jumps=self.jumps, reason=str(error))
+            return OdomAnswer(done=False, jumps=self.jumps, reason=Trouble(str(error)))
         place = Estimate(x=request.x, y=request.y, yaw=wrapped(request.yaw), path=self.estimate.path)
         return self._jump(request.id, less_sure(place, request.position_sd, request.yaw_sd))
 
@@ -131,7 +131,7 @@ class OdometryPolicy:
             self.jumps += 1
             self.estimate = estimate
             self._systematic.begin(Pose(estimate.x, estimate.y, estimate.yaw))
-        return OdomAnswer(done=True, jumps=self.jumps, reason="")
+        return OdomAnswer(done=True, jumps=self.jumps)
 
     def _rebase(self, wheels: Wheels, notice: Trouble) -> Odometry:
         self._last = wheels

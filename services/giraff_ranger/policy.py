@@ -9,7 +9,7 @@ from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_schemas.bumper import Bump
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Range, RangeState, Tick
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
 from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
@@ -66,7 +66,7 @@ class RangerPolicy:
             )
             return None
         sample = reading(name, frame, self._sensors[name].scale)
-        self.faults[f"sensor {name}"] = trouble_of(sample)
+        self.faults[f"sensor {name}"] = sample.reason
         return sample
 
     def bumper_request(self, now: float) -> BumperRequestFrame | None:
@@ -104,9 +104,8 @@ def reading(name: str, frame: RangeFrame, scale: float) -> Range:
         state=state,
         range=frame.echo_us / ECHO_US_PER_M * scale if state == "echo" else None,
         echo_us=frame.echo_us,
-        reason=str(fault),
+        reason=fault,
         tick=tick_of(frame),
-        remedy=fault.remedy,
     )
 
 

@@ -12,6 +12,7 @@ from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
 from giraff_schemas.services import ANSWERING, WATCHED
 from giraff_schemas.text import brief
+from giraff_schemas.trouble import Trouble
 
 _OVERHEAD: Final = 300
 """bytes that a sample in memory takes beside its payload."""
@@ -134,7 +135,7 @@ class IncidentDetector:
         self._engaged: bool | None = None
         self._board: tuple[bool, str] | None = None
         self._armed_at = float("-inf")
-        self._faults: dict[str, dict[str, tuple[float, tuple[str, ...]]]] = {}
+        self._faults: dict[str, dict[str, tuple[float, tuple[Trouble, ...]]]] = {}
         """By service and process: when it has answered last, and its faults. The newest answer comes last."""
         self._events: dict[str, tuple[float, str]] = {}
         """The first of each kind that no file has yet: kind -> when, and what."""
@@ -167,7 +168,7 @@ class IncidentDetector:
         since = now - _QUESTIONS * self._config.health_period
         known = {fault for at, faults in told.values() if at >= since for fault in faults}
         if told and not known.issuperset(health.faults):
-            self._tell(now, "fault", f"{health.service}: {'; '.join(health.faults)}")
+            self._tell(now, "fault", f"{health.service}: {'; '.join(map(str, health.faults))}")
         told.pop(health.instance, None)
         told[health.instance] = now, health.faults
         if len(told) > _PROCESSES:

@@ -11,6 +11,7 @@ from giraff_ros2.port import Call
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE
+from giraff_schemas.trouble import Trouble
 
 _ANSWERS_WITHIN: Final = 3.0
 """s after which a call is answered that base has not confirmed. The stop goes on being asked for."""
@@ -25,7 +26,7 @@ class StopCalls:
         """`by`: who asks, for people."""
 
         def engage(settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
-            return io.ask(ESTOP_ENGAGE, EStopEngage(by=by, reason="service estop of ROS", off=off), settles)
+            return io.ask(ESTOP_ENGAGE, EStopEngage(by=by, reason=Trouble("service estop of ROS"), off=off), settles)
 
         self._request = EStopRequest(engage, _RELEASE, is_open=io.is_open)
         self._calls: list[tuple[Call, float]] = []

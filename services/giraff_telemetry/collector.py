@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from giraff_core.latest import FRESH, Latest, LatestSamples
+from giraff_core.sensors import ULTRASONIC
 from giraff_schemas.camera import CameraState
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
@@ -94,7 +95,7 @@ class Snapshot:
     def unused(self) -> tuple[str, ...]:
         """Services that the robot does not need: no ranger where its guard, by the robot file, knows no sensor."""
         guard = self.guard.sample if self.guard is not None and self.guard.fresh else None
-        return () if guard is None or guard.sensors or guard.other_sensors else (RANGER.name,)
+        return () if guard is None or guard.sensors else (RANGER.name,)
 
 
 class _Key:
@@ -188,7 +189,7 @@ class Telemetry(LatestSamples):
         """Everything, as of now."""
         guard = self.latest(GUARD, now_ns)
         ranges = {heard.sample.sensor: heard for heard in reversed(self.all(RANGE, now_ns))}
-        sensors = (*self._sensors, *(guard.sample.sensors if guard else ()), *sorted(ranges))
+        sensors = (*self._sensors, *(guard.sample.of_type(ULTRASONIC) if guard else ()), *sorted(ranges))
         return Snapshot(
             silence=None if self._heard_ns is None else _since(self._heard_ns, now_ns),
             odometry=self.latest(ODOM, now_ns),

@@ -9,7 +9,6 @@ from giraff_core.latest import Latest
 from giraff_schemas.camera import CameraState
 from giraff_schemas.messages import Attitude, Battery, GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
-from giraff_schemas.trouble import Trouble
 from giraff_telemetry.collector import Snapshot
 from giraff_telemetry.localization import short_pose_text
 
@@ -86,10 +85,10 @@ def limit_text(snapshot: Snapshot) -> str:
     if said or guard is None or not guard.fresh:
         return said
     if guard.sample.reason:
-        return guard.sample.reason
+        return str(guard.sample.reason)
     for label, verdict in verdicts(guard.sample):
         if verdict.freedom != "free":
-            return f"{label} {verdict.freedom}: {Trouble(verdict.reason, verdict.way_out)}"
+            return f"{label} {verdict.freedom}: {verdict.reason}"
     return ""
 
 
@@ -104,7 +103,7 @@ def base_reason(snapshot: Snapshot) -> str:
     base = snapshot.base
     if base is None:
         return ""
-    return base.sample.reason if base.fresh else f"not heard for {base.age:.0f} s"
+    return str(base.sample.reason) if base.fresh else f"not heard for {base.age:.0f} s"
 
 
 def localization_text(snapshot: Snapshot) -> str:

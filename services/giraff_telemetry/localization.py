@@ -26,7 +26,7 @@ def sigma_of(pose: MapPose) -> tuple[float, float]:
 def pose_text(pose: MapPose) -> str:
     """The state, where it has the robot, how sure that is, and why not surer."""
     if pose.state == "no_map":
-        return " | ".join(["no map", *filter(None, [pose.reason])])
+        return " | ".join(["no map", *filter(None, [str(pose.reason)])])
     metres, radians = sigma_of(pose)
     guess = {"localized": "", "told": "about "}.get(pose.state, "perhaps ")
     parts = [
@@ -35,7 +35,7 @@ def pose_text(pose: MapPose) -> str:
         f"± {metres:.2f} m, {math.degrees(radians):.1f}°",
         f"explains {pose.explained:.0%}",
         f"way {pose.way:.1f} m",
-        pose.reason,
+        str(pose.reason),
     ]
     return " | ".join(filter(None, parts))
 

@@ -66,7 +66,7 @@ def summarize_localization(pose: MapPose, way: WayByState, errors: LocalizationE
         sigma_m=round(metres, 4),
         sigma_deg=round(math.degrees(radians), 3),
         explained=round(pose.explained, 4),
-        reason=pose.reason,
+        reason=str(pose.reason),
         shares=None if shares is None else {state: round(share, 4) for state, share in shares.items()},
         error=_error(errors),
     )

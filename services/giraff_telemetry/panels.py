@@ -101,7 +101,7 @@ def guard(snapshot: Snapshot) -> Table:
             table.add_row(label, NONE, _speed_unit(label), NONE, "")
         return table
     for label, verdict in verdicts(seen.sample):
-        why = printable(" · ".join(text for text in (verdict.reason, verdict.way_out) if text))
+        why = printable(str(verdict.reason))
         freedom = Text(verdict.freedom, style=FREEDOM_STYLE[verdict.freedom])
         table.add_row(label, f"{verdict.allowed:.2f}", _speed_unit(label), freedom, Text(why), style=dim(seen))
     return table
@@ -118,7 +118,7 @@ def command(snapshot: Snapshot) -> Table:
     else:
         sample, holder = seen.sample, printable(holder_text(snapshot))
         text = Text(f"{sample.linear_x:z6.2f} m/s {sample.angular_z:z6.2f} rad/s  {holder}")
-        table.add_row("passes", text.append(f"  {printable(sample.reason)}", style="yellow"))
+        table.add_row("passes", text.append(f"  {printable(str(sample.reason))}", style="yellow"))
     return table
 
 

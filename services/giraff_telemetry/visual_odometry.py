@@ -14,7 +14,6 @@ from giraff_core.latest import Latest
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import Odometry
 from giraff_schemas.text import printable
-from giraff_schemas.trouble import trouble_of
 
 _KEPT: Final = 500
 """Samples of each kind: 5 s of odometry, longer than a picture and a look at the truth take to come."""
@@ -93,7 +92,7 @@ class VisualErrors:
             self._pictures += 1
             self._without_wheels += sample.wheels is None
             if sample.reason:
-                self._reasons[trouble_of(sample).what] += 1
+                self._reasons[sample.reason.what] += 1
         self._newest = sample
         self._waiting.append(sample)
 
@@ -161,7 +160,7 @@ def visual_text(seen: Latest[VisualOdometry]) -> str:
     """Return whether the camera measures the motion now, or why it does not."""
     if not seen.fresh:
         return f"unknown, vision was not heard for {seen.age:.0f} s"
-    return trouble_of(seen.sample).what or "measures"
+    return seen.sample.reason.what or "measures"
 
 
 def visual_rows(summary: VisualSummary) -> list[tuple[str, str]]:

@@ -28,7 +28,7 @@ class Cone:
 
     def judge(self, guard: GuardState) -> None:
         """What the guard makes of it."""
-        self._distrust = guard.sensors.get(self.sensor, "")
+        self._distrust = str(state.trouble) if (state := guard.sensors.get(self.sensor)) is not None else ""
         verdicts = (guard.forward, guard.backward, guard.turn_left, guard.turn_right)
         self._blocks = any(each.freedom == "blocked" and each.sensor == self.sensor for each in verdicts)
 
@@ -53,7 +53,7 @@ class Cone:
             return "not heard yet"
         if self._stale(now_ns):
             return f"silent for {(now_ns - self._read_ns) * 1e-9:.1f} s"
-        return self._reading.reason or self._distrust
+        return str(self._reading.reason) or self._distrust
 
     def _stale(self, now_ns: int) -> bool:
         return (now_ns - self._read_ns) * 1e-9 > STALE

@@ -144,7 +144,7 @@ class Scene:
         lines = self._story.on_sample(sample)
         if isinstance(sample, Range):
             level = "INFO" if sample.state != "fault" else "WARN"
-            lines += self._story.tell(topic.key.replace("*", sample.sensor), (level, sample.reason or "well"))
+            lines += self._story.tell(topic.key.replace("*", sample.sensor), (level, str(sample.reason) or "well"))
         return rows + self._say(lines)
 
     def begin_with(self, earlier: EchoMap) -> None:

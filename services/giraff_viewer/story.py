@@ -7,6 +7,7 @@ from typing import Final
 
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import BaseState, EStop, Freedom, GuardState, Lease, Sample, Verdict
+from giraff_schemas.trouble import Trouble
 from giraff_viewer.glyphs import drawable
 
 Line = tuple[str, str]
@@ -95,8 +96,8 @@ def verdicts(guard: GuardState) -> dict[str, Verdict]:
 def _of_guard(guard: GuardState) -> dict[str, Line]:
     """What the guard says, without what changes with every reading."""
     said = {f"guard {way}": _of_verdict(verdict) for way, verdict in verdicts(guard).items()}
-    for sensor, reason in guard.sensors.items():
-        said[f"sensor {sensor}"] = ("WARN", reason) if reason else ("INFO", "trusted")
+    for name, sensor in guard.sensors.items():
+        said[f"sensor {name}"] = ("WARN", str(sensor.trouble)) if sensor.trouble else ("INFO", "trusted")
     return said
 
 
@@ -119,14 +120,13 @@ def _base_word(base: BaseState) -> str:
     return "driving" if base.driving else "armed, at rest"
 
 
-def _because(reason: str) -> str:
+def _because(reason: Trouble) -> str:
     return f": {reason}" if reason else ""
 
 
 def _table(guard: GuardState) -> list[str]:
     rows = [
-        f"| {way} | {_strong(each.freedom)} | {each.allowed:.2f} | {_cell(each.sensor)} "
-        f"| {_cell('; '.join(filter(None, (each.reason, each.way_out))))} |"
+        f"| {way} | {_strong(each.freedom)} | {each.allowed:.2f} | {_cell(each.sensor)} | {_cell(str(each.reason))} |"
         for way, each in verdicts(guard).items()
     ]
     return ["| way | is | m/s, rad/s | sensor | why |", "|---|---|---|---|---|", *rows]

@@ -137,8 +137,7 @@ class VisionPolicy:
             tick=picture.tick,
             since_tick=since_tick,
             key=self._keys_before + seen.key,
-            reason=str(reason),
-            remedy=reason.remedy,
+            reason=reason,
             motion=seen.motion,
             covariance=_NOTHING if seen.reason else seen.covariance,
             wheels=wheels,
@@ -188,7 +187,7 @@ class VisionPolicy:
 
 def disagrees(told: VisualOdometry) -> bool:
     """Whether this is no measurement because the wheels disagree."""
-    return told.reason == str(reasons.DISAGREE)
+    return told.reason == reasons.DISAGREE
 
 
 def is_large(off: Pose) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from giraff_schemas.camera import CameraState, Picture, PictureSize
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.messages import CameraView, Looking, on_page
 from giraff_web.pages import Pages
 
@@ -99,7 +99,7 @@ class PagesLooking:
             return None
         if now - self._heard > SILENT:
             return CameraView(askers=(), why=str(_NO_CAMERA))
-        why = (self._source.trouble if self._source is not None else WELL) or trouble_of(self._state)
+        why = (self._source.trouble if self._source is not None else WELL) or self._state.reason
         return CameraView(askers=tuple(asker.by for asker in self._state.askers), why=str(on_page(why)))
 
     def on_state(self, state: CameraState, now: float) -> None:

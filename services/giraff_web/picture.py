@@ -13,7 +13,7 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Attitude, EStop, GuardState, Odometry, Range, Sample, Verdict
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, POSE, RANGE, SampleT, Topic
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL
 from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, MapView, Part, State, moment, on_page
 from giraff_web.policy import WebPolicy
 
@@ -123,7 +123,7 @@ class Picture:
         if latest.age > max(STALE, 3.0 / RANGE.rate_hz):
             return Echo(state="silent", range=None, reason=f"silent for {latest.age:.0f} s; check giraff_ranger")
         reading = latest.sample
-        return Echo(state=reading.state, range=reading.range, reason=reading.reason)
+        return Echo(state=reading.state, range=reading.range, reason=str(reading.reason))
 
     def _newest(self, topic: Topic[SampleT], now: float, lasts: float = STALE) -> SampleT | None:
         """None: what was heard last says nothing of now."""
@@ -143,13 +143,13 @@ def _map_view(place: MapPose) -> MapView:
         pose=(round(place.x, 3), round(place.y, 3), round(place.yaw, 4)),
         covariance=_place_covariance(place),
         yaw_sd=round(place.standard_deviations[2], 4),
-        why=str(on_page(trouble_of(place))),
+        why=str(on_page(place.reason)),
         odom=(round(place.odom.x, 3), round(place.odom.y, 3), round(place.odom.yaw, 4)),
     )
 
 
 def _latch(state: EStop, *, is_open: bool) -> Latch:
-    told = on_page(trouble_of(state))
+    told = on_page(state.reason)
     return Latch(
         engaged=state.engaged,
         off=state.off,
@@ -173,7 +173,7 @@ def _directions(guard: GuardState) -> dict[str, Direction]:
 
 
 def _direction(verdict: Verdict) -> Direction:
-    told = on_page(Trouble(verdict.reason, verdict.way_out))
+    told = on_page(verdict.reason)
     return Direction(
         freedom=verdict.freedom,
         allowed=round(verdict.allowed, 3),

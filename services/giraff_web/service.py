@@ -157,7 +157,7 @@ class Web(OperatorService):
         self._stops.reset(device, asked, now)
 
     def _engage(self, device: str, settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
-        reason = "STOP held on a page" if off else "STOP on a page"
+        reason = Trouble("STOP held on a page" if off else "STOP on a page")
         asked = EStopEngage(by=f"{self._by} ({device})", reason=reason, off=off)
         return self._io.ask(ESTOP_ENGAGE, asked, settles)
 

@@ -108,7 +108,7 @@ class DeafBase(BasePolicy):
 
     def on_engage(self, asked: EStopEngage, now: RobotTime) -> EStopAnswer:
         del asked, now
-        return EStopAnswer(done=True, engaged=True, id=1, reason="")
+        return EStopAnswer(done=True, engaged=True, id=1)
 
 
 class ForgivingBase(BasePolicy):
@@ -146,7 +146,7 @@ class GrudgingGuard(GuardPolicy):
 
     def decide(self, robot_ns: int, heard: tuple[int, ...] = ()) -> GuardedCommand:
         command = super().decide(robot_ns, heard)
-        self._lost = self._lost or "lost something" in self.state().forward.reason
+        self._lost = self._lost or "lost something" in str(self.state().forward.reason)
         return msgspec.structs.replace(command, linear_x=min(0.0, command.linear_x)) if self._lost else command
 
 

@@ -32,7 +32,7 @@ def ahead(room: Room, speed: float, fault: SonarFault = SonarFault.NONE) -> str:
     sonar.fault = fault
     sonar.echo_us(world.plant.pose)
     obstacles.note(HEARD_US)
-    reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, reason="", tick=None)
+    reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, tick=None)
     readings = {name: deque[Heard]() for name in SETTINGS.robot.sensors}
     readings["front_left"].append(Heard(reading, HEARD_US, HEARD_US))
     return obstacles.ahead(speed, readings, NOW_US)
@@ -77,7 +77,7 @@ def test_what_has_come_since_the_ping_was_not_heard() -> None:
     world.sonars[SENSOR.index].echo_us(world.plant.pose)
     obstacles.note(HEARD_US)
     hall.add_wall("new", [(RADIUS + 0.1, -1.0), (RADIUS + 0.1, 1.0)])
-    reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, reason="", tick=None)
+    reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, tick=None)
     readings = {name: deque[Heard]() for name in SETTINGS.robot.sensors}
     readings["front_left"].append(Heard(reading, HEARD_US, HEARD_US))
     assert obstacles.ahead(0.6, readings, NOW_US) == ""

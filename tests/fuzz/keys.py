@@ -39,6 +39,7 @@ from giraff_schemas.topics import (
     Query,
     Topic,
 )
+from giraff_schemas.trouble import Trouble
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.network import Message
 from tests.fuzz.growth import Growth
@@ -63,7 +64,7 @@ _OTHER_EPOCH: Final = 0xABCD1234
 
 _OLD: Final = RobotTime(epoch=7, robot_ns=5_000_000_000)
 REQUESTS: Final[dict[str, msgspec.Struct]] = {
-    ESTOP_ENGAGE.key: EStopEngage(by="somebody", reason="no reason"),
+    ESTOP_ENGAGE.key: EStopEngage(by="somebody", reason=Trouble("no reason")),
     ESTOP_RESET.key: EStopReset(by="somebody", id=0, tick=_OLD),
     ODOM_RESET.key: OdomReset(by="somebody", id=1),
     ODOM_SET_POSE.key: OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5),
@@ -168,7 +169,7 @@ def throw(
 
 
 def engage(loop: ClosedLoop) -> None:
-    deliver(loop, ESTOP_ENGAGE.key, EStopEngage(by="test", reason="whatever comes"))
+    deliver(loop, ESTOP_ENGAGE.key, EStopEngage(by="test", reason=Trouble("whatever comes")))
     loop.run(1.0)
     assert loop.newest["estop"].engaged, loop.newest["estop"]
 

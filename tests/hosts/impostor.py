@@ -66,9 +66,7 @@ class Impostor:
             names = sorted(key.rpartition("/")[2] for key in self.heard if key.startswith("range/"))
             name = names[seq // 3 % len(names)]
             if seq % 3 == 0:
-                echo = Range(
-                    sensor=name, state="echo", range=_AWAY, echo_us=int(2e6 * _AWAY / 343), reason="", tick=tick
-                )
+                echo = Range(sensor=name, state="echo", range=_AWAY, echo_us=int(2e6 * _AWAY / 343), tick=tick)
                 said.append((RANGE.at(name), echo))
         if self.says == "base" and self._wheels is not None:
             said.append((TICK, Tick(epoch=tick.epoch, robot_ns=tick.robot_ns)))
@@ -93,7 +91,6 @@ class Impostor:
             source="hand",
             faults=0,
             hand_neutral=speed == 0.0,
-            reason="",
         )
 
 

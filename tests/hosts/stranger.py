@@ -55,7 +55,6 @@ class Stranger:
             source="hand",
             faults=0,
             hand_neutral=False,
-            reason="",
         )
         says: dict[str, GuardedCommand | DriveCommand | MotionHold] = {
             CMD_VEL.key: guarded,
@@ -68,7 +67,6 @@ class Stranger:
                 linear_x=0.3,
                 angular_z=0.0,
                 source="hand",
-                reason="",
                 tick=self._tick,
             )
         return {key: encode(stamped(command, seq, time.time_ns(), _INSTANCE)) for key, command in says.items()}

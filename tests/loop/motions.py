@@ -38,6 +38,7 @@ from giraff_schemas.topics import (
     TICK,
     Query,
 )
+from giraff_schemas.trouble import Trouble
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.kinds import world_of
 from giraff_sim.closed_loop import ClosedLoop
@@ -152,7 +153,7 @@ class Stage(SeenRobot):
     def begin(self, kind: type[MotionRequest], **fields: Any) -> MotionRequest:
         """Ask for a motion, and wait until it is under way."""
         request = self.ask(kind, **fields)
-        assert self.requester.answer == MotionAnswer(accepted=True, reason="")
+        assert self.requester.answer == MotionAnswer(accepted=True)
         asked = self.now
         self._until(lambda: self.driven_ms(asked) > 0, 3.0)
         return request
@@ -180,7 +181,7 @@ class Stage(SeenRobot):
             self.run(REPEAT)
 
     def engage(self) -> None:
-        self.stopper.ask(ESTOP_ENGAGE, EStopEngage(by="test", reason="a cat"))
+        self.stopper.ask(ESTOP_ENGAGE, EStopEngage(by="test", reason=Trouble("a cat")))
 
     def reset(self) -> None:
         newest = self.loop.newest

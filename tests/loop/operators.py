@@ -18,6 +18,7 @@ from giraff_keyboard.service import Keyboard
 from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, LEASE, OPERATOR_CMD_VEL
+from giraff_schemas.trouble import Trouble
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
@@ -106,7 +107,7 @@ class Scene(SeenRobot):
         self.loop.processes["keyboard"].wake()
 
     def engage(self) -> None:
-        self._stopper.ask(ESTOP_ENGAGE, EStopEngage(by="test", reason="a cat"))
+        self._stopper.ask(ESTOP_ENGAGE, EStopEngage(by="test", reason=Trouble("a cat")))
 
     def reset(self) -> None:
         newest = self.loop.newest

@@ -19,7 +19,7 @@ def test_a_motion_arrives_although_both_encoders_flicker_at_rest() -> None:
         assert it.driven_ms(began) == 0
         it.begin(MotionMove, distance=0.2)
         it.until_ended(4.0)
-        assert (it.state.outcome, it.state.reason) == ("arrived", "")
+        assert (it.state.outcome, str(it.state.reason)) == ("arrived", "")
         assert world.plant.pose.x == pytest.approx(0.2, abs=0.005)
         ended = it.now
         it.run(1.0)

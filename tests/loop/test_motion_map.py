@@ -93,7 +93,7 @@ def test_it_arrives_where_that_is_on_the_map() -> None:
         goal = Pose(0.8, 0.0, 0.0).placed_in(ODOM_IN_MAP)
         assert it.ask(goal)
         it.stage.until_ended(15.0)
-        assert (it.stage.state.outcome, it.stage.state.reason) == ("arrived", "")
+        assert (it.stage.state.outcome, str(it.stage.state.reason)) == ("arrived", "")
         pose = it.stage.loop.newest[POSE.key]
         assert (pose.x, pose.y) == pytest.approx(goal[:2], abs=0.03)
 

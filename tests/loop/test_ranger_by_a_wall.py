@@ -76,7 +76,7 @@ class _SimulatedStand:
         self.hearing.echoes.clear()
         self._stage.begin(MotionGo, steps=tuple(steps), speed=SPEED, turn_speed=TURN_SPEED)
         self._stage.until_ended(_LONGEST)
-        result = result_of(self._stage.state, self._stage.state.outcome, self._stage.state.reason, begun=True)
+        result = result_of(self._stage.state, self._stage.state.outcome, str(self._stage.state.reason), begun=True)
         assert result.arrived, result
         return result, list(self.hearing.echoes)
 

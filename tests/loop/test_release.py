@@ -76,7 +76,7 @@ class Stranger:
     def turn(self, now: float) -> None:
         del now
         for asked in self._asked.take():
-            asked.answer(EStopAnswer(done=True, engaged=True, id=1, reason="", instance="stranger"))
+            asked.answer(EStopAnswer(done=True, engaged=True, id=1, instance="stranger"))
 
     def end(self) -> None:
         """Nothing is left to say."""

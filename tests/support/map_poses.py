@@ -7,6 +7,7 @@ from typing import Final
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import Candidate, LocalizationState, MapPose, PlanarPose
 from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import Trouble
 
 LOST: Final = "it is lost; drive it 2 m along walls, or say where it is with `giraff localize`"
 
@@ -32,6 +33,6 @@ def map_pose(
         way=0.0,
         particles=1000,
         map="flat",
-        reason="" if state == "localized" else LOST,
+        reason=Trouble("" if state == "localized" else LOST),
         tick=tick,
     )

@@ -21,6 +21,7 @@ from giraff_schemas.motion import (
     Stage,
 )
 from giraff_schemas.topics import MOTION, MOTION_CANCEL, MOTION_GO, MOTION_HOLD, TICK, Topic, alive_key, key_of
+from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 
 EPOCH = 7
@@ -40,7 +41,6 @@ def motion_state(wish: int, stage: Stage = "moving", outcome: Outcome = "", **ch
         "elapsed": 2.0,
         "time_limit": 8.0,
         "sensor": "",
-        "reason": "",
     }
     return MotionState(id=wish, stage=stage, outcome=outcome, **known | changes)
 
@@ -95,9 +95,9 @@ class MotionDouble:
             there = Displacement(path=0.998, x=0.998, y=0.0, yaw=0.0)
             self.say(MOTION, motion_state(wish, "ended", "arrived", achieved=there))
         elif self._ended == "blocked":
-            self.say(MOTION, motion_state(wish, "ended", "blocked", sensor="front_left", reason=BLOCKED))
+            self.say(MOTION, motion_state(wish, "ended", "blocked", sensor="front_left", reason=Trouble(BLOCKED)))
         else:
-            self.say(MOTION, motion_state(wish, "ended", self._ended, reason=f"it is {self._ended}"))
+            self.say(MOTION, motion_state(wish, "ended", self._ended, reason=Trouble(f"it is {self._ended}")))
 
     def _on_hold(self, received: Any) -> None:
         self.holds.append((self._clock.monotonic(), msgspec.msgpack.decode(received.payload, type=MotionHold)))
@@ -107,9 +107,13 @@ class MotionDouble:
         if not self.asked or self.asked[-1].id != request.id:
             self._began, self._ended = self._clock.monotonic(), ""
         self.asked.append(request)
-        return (0.02, encode(MotionAnswer(accepted=not self.refusal, reason=self.refusal))) if self.answers else None
+        return (
+            (0.02, encode(MotionAnswer(accepted=not self.refusal, reason=Trouble(self.refusal))))
+            if self.answers
+            else None
+        )
 
     def _on_cancel(self, payload: bytes) -> tuple[float, bytes] | None:
         self.cancelled.append(msgspec.msgpack.decode(payload, type=MotionCancel))
         self._ended = "cancelled"
-        return (0.02, encode(MotionAnswer(accepted=True, reason=""))) if self.answers else None
+        return (0.02, encode(MotionAnswer(accepted=True))) if self.answers else None

@@ -225,7 +225,7 @@ class ProcessRobot:
     def ranged(self) -> bool:
         """The guard has heard each sensor: a tilt before that relies on ranges that are not there, and disarms."""
         state = self.observer.newest(GUARD)
-        return state is not None and not any("has not been heard" in why for why in state.sensors.values())
+        return state is not None and not any("has not been heard" in str(why) for why in state.sensors.values())
 
     def wait_until_it_can_drive(self) -> None:
         """Its services were started, and do what they are for."""

@@ -52,7 +52,7 @@ def _of_policy(camera: Camera, *, hears_wheels: bool) -> Odometer:
         for odometry in shot.odometry if hears_wheels else ():
             policy.on_odometry(odometry)
         told = policy.on_picture(shot.picture, shot.grey)
-        return told.key, None if told.motion is None else Pose(*told.motion), told.reason
+        return told.key, None if told.motion is None else Pose(*told.motion), str(told.reason)
 
     return look
 

@@ -14,6 +14,7 @@ from typing import Final, Literal
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE
+from giraff_schemas.trouble import Trouble
 from giraff_sim.control.messages import BoardName, Wheel
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
@@ -270,7 +271,7 @@ def _engage(robot: ProcessRobot) -> int:
     """Ask base itself until it has stopped, whether or not its disk takes it."""
     at_us = robot.simulator.now()
     name = robot.environment["GIRAFF_ROBOT_NAME"]
-    request = EStopEngage(by="test", reason="a scenario")
+    request = EStopEngage(by="test", reason=Trouble("a scenario"))
     asking = QueryClient(robot.observer.session, name, ESTOP_ENGAGE, request, lambda answer: answer.engaged)
     robot.wait("the answer of base", lambda: asking.poll(time.monotonic()) is not None, 5.0)
     return at_us

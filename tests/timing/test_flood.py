@@ -47,7 +47,6 @@ def flood(robot: ProcessRobot) -> Iterator[list[int]]:
                     linear_x=-0.6,
                     angular_z=0.0,
                     source="hand",
-                    reason="",
                     tick=tick.time if tick is not None else None,
                 )
                 publisher.put(encode(stamped(command, sent[0], time.time_ns(), "0123456789abcdef")))
@@ -67,7 +66,7 @@ def flood(robot: ProcessRobot) -> Iterator[list[int]]:
 def guards_notices(robot: ProcessRobot) -> tuple[str, ...]:
     for reply in robot.observer.session.get(health_key(NAME, "guard"), timeout=2.0):
         if reply.ok is not None:
-            return msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health).notices
+            return tuple(map(str, msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health).notices))
     return ()
 
 

@@ -17,6 +17,7 @@ from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import DriveState, Frame, Refusal
 
 _CONFIGURE_PERIOD_NS = 50_000_000
+KEPT_STOP: Final = Trouble("the board kept an emergency stop from before", "see that the robot may move")
 _UNLATCHED: Final = 0
 _LAST_SESSION: Final = 0xFFFFFFFF
 _BEING_RELEASED: Final = Trouble("the base board is being released")

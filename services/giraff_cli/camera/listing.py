@@ -67,7 +67,7 @@ def report_of(state: CameraState) -> CameraReport:
         width=state.width,
         height=state.height,
         rate=state.rate,
-        trouble=state.reason,
+        trouble=str(state.reason),
     )
 
 

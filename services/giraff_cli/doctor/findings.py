@@ -26,7 +26,7 @@ from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS, IPV4_ALONE
 from giraff_node.network.reach import NO_NAME
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, ROS2, RUN, SERVICES
-from giraff_schemas.trouble import Trouble, trouble_of
+from giraff_schemas.trouble import Trouble
 from giraff_telemetry.describe import START_A_HAND
 
 Severity = Literal["fault", "warning", "note"]
@@ -249,9 +249,9 @@ def _on(robot: Robot, services: list[str]) -> str:
 def _of_answers(robot: Robot, machine: Machine) -> Iterator[Finding]:
     for answer in robot.answers:
         who = f"{answer.health.service} on {answer.health.host}"
-        yield from (_told("fault", who, fault) for fault in answer.health.troubles)
+        yield from (_told("fault", who, fault) for fault in answer.health.faults)
         if answer.health.service not in HANDS:  # theirs tell why nobody drives, which is giraff why's to tell
-            yield from (_told("warning", who, notice) for notice in answer.health.noticed)
+            yield from (_told("warning", who, notice) for notice in answer.health.notices)
     told = {answer.health.service for answer in robot.answers}
     for service in sorted(service for service, count in robot.services.items() if count and service not in told):
         yield Finding(
@@ -285,7 +285,7 @@ def _of_clocks(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[F
 def _of_versions(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[Finding]:
     by_version = {machine.version: {f"{machine.host} (this command)"}}
     for answer in answers:
-        running = answer.health.version or "an older one"
+        running = answer.health.version
         by_version.setdefault(running, set()).add(f"{answer.health.host} ({answer.health.service})")
     if len(by_version) > 1:
         told = "; ".join(f"{running} on {', '.join(sorted(where))}" for running, where in by_version.items())
@@ -374,7 +374,7 @@ def _of_rate(rate: Rate) -> Iterator[Finding]:
 
 def _of_state(robot: Robot) -> Iterator[Finding]:
     if robot.estop is not None and robot.estop.engaged:
-        why = trouble_of(robot.estop)
+        why = robot.estop.reason
         what = f"the emergency stop is engaged by {robot.estop.by or 'nobody known'}: {why.what}"
         is_plain = not why.remedy or why.remedy == f"to go on: {RESET_COMMAND}"
         fix = f"see that the robot may move: {RESET_COMMAND}" if is_plain else why.remedy

@@ -26,7 +26,6 @@ from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, key_of
-from giraff_schemas.trouble import trouble_of
 
 if TYPE_CHECKING:
     from giraff_cli.estop.witness import Witness
@@ -297,12 +296,12 @@ def _tell_confirmed(
 
 
 def _of_state(code: int, text: str, robot: str, state: EStop) -> Result:
-    return Result(code, text, robot, state.engaged, state.off, state.id, state.by, state.reason)
+    return Result(code, text, robot, state.engaged, state.off, state.id, state.by, str(state.reason))
 
 
 def _unconfirmed(robot: str, asking: EStopClient, timeout: float, whose: str = "") -> Result:
     refusal, several = asking.refusal, asking.unconfirmed
-    reason = "" if refusal is None else printable(refusal.reason)
+    reason = "" if refusal is None else printable(str(refusal.reason))
     if refusal is not None and refusal.engaged and not several:
         note = "" if refusal.board_reached else BOARD_NOTE
         told = f"{robot}: STOPPED, latch {refusal.id}{note}, but not for sure after a restart: {reason}"
@@ -325,7 +324,7 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
     [state] = states
     if not state.engaged:
         return _of_state(RELEASED, f"{robot}: not engaged, nothing to clear; {_HOW_TO_DRIVE}", robot, state)
-    what = printable(f"latch {state.id} of {robot}, engaged by {state.by}: {trouble_of(state).what}")
+    what = printable(f"latch {state.id} of {robot}, engaged by {state.by}: {state.reason.what}")
     tick = _next_tick(connection, deadline)
     if tick is None:
         told = f"NOT CLEARED, {what}: the robot's clock is not heard on {key_of(robot, TICK)}; restart giraff_base"
@@ -338,8 +337,8 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
         told = f"NOT CONFIRMED after {timeout:g} s, {what}: {asking.fault or f'nobody answered {asking.key}'}"
         return _of_state(UNKNOWN, told, robot, state)._replace(engaged=None, off=None)
     if not answer.done or answer.engaged:
-        why = printable(answer.reason) or f"latch {answer.id} has come since"
-        kept = (state.by, state.reason) if answer.id == state.id else (None, None)
+        why = printable(str(answer.reason)) or f"latch {answer.id} has come since"
+        kept = (state.by, str(state.reason)) if answer.id == state.id else (None, None)
         return Result(ENGAGED, f"STILL ENGAGED, {what}: {why}", robot, answer.engaged, None, answer.id, *kept)
     how = f"{_HOLD_IT}; {_HOW_TO_DRIVE}" if state.off else _HOW_TO_DRIVE
     told = f"cleared {what}\n{robot} may move again, and does not yet: {how}"

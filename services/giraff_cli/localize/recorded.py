@@ -106,7 +106,7 @@ class RecordedDrive:
         self._path, self._origin = odometry.path, odometry.origin
         if self._place is not None:
             answer = self.policy.on_set_pose(told_pose(self._place))
-            self.refused = "" if answer.done else answer.reason
+            self.refused = "" if answer.done else str(answer.reason)
             self._place = None
 
     def _work(self) -> None:

@@ -46,7 +46,7 @@ class PoseView:
         pose = self.pose
         if pose is None or not pose.fresh:
             return ("heard" if pose is not None else "unheard",)
-        return "speaks", pose.sample.state, _FIGURES.sub("", pose.sample.reason), pose.sample.map
+        return "speaks", pose.sample.state, _FIGURES.sub("", str(pose.sample.reason)), pose.sample.map
 
     @property
     def words(self) -> str:

@@ -74,7 +74,7 @@ class MotionView:
             parts.append(f"step {state.step} of {state.steps}")
         parts.append(way_of(state))
         if state.reason:
-            parts.append(state.reason)
+            parts.append(str(state.reason))
         return " | ".join(parts)
 
 

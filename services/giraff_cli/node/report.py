@@ -95,7 +95,7 @@ def _show_rows(rows: Sequence[NodeRow]) -> None:
                 row.health.host,
                 str(row.health.pid),
                 duration(row.health.uptime),
-                "; ".join((*row.health.faults, *row.health.notices)) or "well",
+                "; ".join(map(str, (*row.health.faults, *row.health.notices))) or "well",
             )
             for row in rows
         ),
@@ -116,8 +116,8 @@ def _lines(row: NodeRow, robot_graph: RobotGraph) -> Iterator[tuple[str, str]]:
     yield "host", f"{health.host}, pid {health.pid}, up {duration(health.uptime)}"
     yield "takes", f"{health.cpu_time:.1f} s of processor time, {health.rss_bytes / 1e6:.0f} MB of memory"
     yield "state", "well" if health.ok else "not well"
-    yield from (("fault", text) for text in health.faults)
-    yield from (("notice", text) for text in health.notices)
+    yield from (("fault", str(each)) for each in health.faults)
+    yield from (("notice", str(each)) for each in health.notices)
     for key in health.publishes:
         yield "publishes", f"{key} -> {_names(robot_graph.subscribers(key)) or 'nobody that says so'}"
     for pattern in health.subscribes:

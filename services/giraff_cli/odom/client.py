@@ -78,7 +78,7 @@ def _jump(connection: RobotConnection, query: Query[RequestT, OdomAnswer], reque
         )
     if not answer.done:
         told = f"odometry of {robot} refuses: {answer.reason}"
-        return Result(REFUSED, told, robot, done=False, reason=answer.reason, jumps=answer.jumps)
+        return Result(REFUSED, told, robot, done=False, reason=str(answer.reason), jumps=answer.jumps)
     after = _next(connection, time.monotonic() + _HEAR_WITHIN, answer.jumps)
     told = f"{robot}: odometry was {_where(before)}, is {_where(after)}; jump {answer.jumps}"
     result = Result(DONE, told, robot, done=True, jumps=answer.jumps)

@@ -117,7 +117,7 @@ def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:
         print_error(f"NOT CONFIRMED: {_silent({service})}")
     for answer in answers.values():
         if not answer.done:
-            print_error(answer.reason)
+            print_error(str(answer.reason))
     done = [Shown(answer.service, answer.host, param) for answer in answers.values() for param in answer.params]
     if as_json:
         print_json([answer for _, answer in sorted(answers.items())])

@@ -133,7 +133,7 @@ def report_of(robot_graph: RobotGraph, loads: Loads, elapsed: float, now: float)
             cpu=loads.cpu(maker.instance),
             rss_bytes=0 if health is None else health.rss_bytes,
             ok=health is not None and health.ok,
-            told=("does not answer",) if health is None else (*health.faults, *health.notices),
+            told=("does not answer",) if health is None else tuple(map(str, (*health.faults, *health.notices))),
         )
         for maker in robot_graph.services
         for health in [robot_graph.healths.get(maker.instance)]

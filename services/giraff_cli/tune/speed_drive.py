@@ -101,7 +101,7 @@ class SpeedDrive:
             if state is not None and state.stage == "moving":
                 self._granted = sample
         elif isinstance(sample, GuardedCommand) and state is not None and state.stage == "moving":
-            self._slowed = self._slowed or sample.reason
+            self._slowed = self._slowed or str(sample.reason)
 
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """Motion tells of services that are gone."""

@@ -11,7 +11,6 @@ from giraff_cli.terminal.text import counted
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.camera import Step, VisualOdometry
 from giraff_schemas.text import printable
-from giraff_schemas.trouble import trouble_of
 from giraff_telemetry.localization import place_text
 from giraff_vision.policy import disagrees
 
@@ -76,7 +75,7 @@ class Tally:
         summary.seconds = (at_ns - self._first_ns) * 1e-9
         summary.pictures += 1
         summary.measured += said.is_measured
-        if why := trouble_of(said).what:
+        if why := said.reason.what:
             summary.reasons[why] = summary.reasons.get(why, 0) + 1
         x, y, yaw = said.path
         summary.by_camera = Path(way_m=said.seen_m + said.blind_m, x=x, y=y, yaw=yaw)

@@ -141,7 +141,7 @@ def _operator(snapshot: Snapshot) -> Table:
     table = block("OPERATOR", 8, left("", 0))
     lease, base = snapshot.lease, snapshot.base
     table.add_row("holder", text_or_dash(holder_text(snapshot)))
-    table.add_row("lease", text_or_dash("" if lease is None else lease.sample.reason), style=dim(lease))
+    table.add_row("lease", text_or_dash("" if lease is None else str(lease.sample.reason)), style=dim(lease))
     age: RenderableType = NONE
     if base is not None and base.fresh and base.sample.round_trip is not None:
         left_over = base.sample.budget_left

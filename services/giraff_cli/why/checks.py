@@ -10,11 +10,11 @@ from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.latest import Latest
 from giraff_core.lease import IDLE
+from giraff_core.sensors import ULTRASONIC
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS, ROS2
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
-from giraff_schemas.trouble import Trouble, trouble_of
 from giraff_telemetry.describe import START_A_HAND, battery_text, posture_text, verdicts
 
 _BUDGET: Final = GuardConfig().operator_budget
@@ -75,10 +75,10 @@ def hand(chain: ChainState) -> Link:
         return link_from("hand", "ok", operator, f"at the {operator.sample.operator}")
     sample, command = tilt.sample, operator.sample
     if sample.status != "running":
-        return link_from("hand", "STOPS", tilt, command.reason or f"the tilt sensor is in state {sample.status}")
+        return link_from("hand", "STOPS", tilt, str(command.reason) or f"the tilt sensor is in state {sample.status}")
     if command.source == "fault":
         excused = chain.clock is None or chain.broken("operator")
-        return link_from("hand", "waits" if excused else "STOPS", tilt, command.reason)
+        return link_from("hand", "waits" if excused else "STOPS", tilt, str(command.reason))
     posture = "level" if command.neutral else "tilted"
     return link_from("hand", "ok", tilt, f"{posture}: {sample.x:z.1f} forward, {sample.y:z.1f} left, of 9.8 m/s²")
 
@@ -91,7 +91,7 @@ def estop(chain: ChainState) -> Link:
     state = heard.sample
     if not state.engaged:
         return link_from("e-stop", "ok", heard, "released")
-    way_out = "" if state.remedy else f"; {RESET_COMMAND}"
+    way_out = "" if state.reason.remedy else f"; {RESET_COMMAND}"
     text = f"engaged by {state.by or 'nobody known'}: {state.reason}{way_out}, and hold the hand level"
     return link_from("e-stop", "STOPS", heard, text)
 
@@ -104,8 +104,8 @@ def lease(chain: ChainState) -> Link:
     state = heard.sample
     if chain.operator is not None and state.holder == chain.operator.sample.instance:
         return link_from("lease", "ok", heard, f"held by {state.operator}")
-    if not state.holder and trouble_of(state).what == IDLE.what and not chain.wants_to_move:
-        return link_from("lease", "idle", heard, state.reason)
+    if not state.holder and state.reason.what == IDLE.what and not chain.wants_to_move:
+        return link_from("lease", "idle", heard, str(state.reason))
     if state.holder:
         text = f"held by {state.operator}, who is not heard here; {state.reason}"
     else:
@@ -123,16 +123,16 @@ def ranger(chain: ChainState) -> Link:
         is_alive, state = "ranger" in chain.observation.alive, chain.guard
         if state is None:
             return Link(name="ranger", standing="waits", text="the guard, which knows the sensors, is not heard")
-        if not state.sample.sensors and (is_alive or not state.sample.other_sensors):
+        if not state.sample.of_type(ULTRASONIC) and (is_alive or not state.sample.sensors):
             return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
         if is_alive:
             return chain.silent("ranger", "ranger")
         how = "start it on the machine that the ranger board is plugged into"
         return Link(name="ranger", standing="missing", text=f"giraff_ranger is not running, or hangs; {how}")
     newest = min(readings.values(), key=lambda heard: heard.age)
-    known = chain.guard.sample.sensors.keys() if chain.guard is not None else readings.keys()
+    known = set(readings if chain.guard is None else chain.guard.sample.of_type(ULTRASONIC))
     blind = dict.fromkeys(known - readings.keys(), "not heard; check giraff_ranger")
-    blind |= {name: heard.sample.reason for name, heard in readings.items() if heard.sample.state == "fault"}
+    blind |= {name: str(heard.sample.reason) for name, heard in readings.items() if heard.sample.state == "fault"}
     if not blind:
         return link_from(
             "ranger", "ok", newest, ", ".join(_distance(heard.sample) for _, heard in sorted(readings.items()))
@@ -150,18 +150,18 @@ def guard(chain: ChainState) -> Link:
         return trouble or chain.silent("guard", "guard")
     state = heard.sample
     if chain.clock is None:
-        return link_from("guard", "waits", heard, state.reason or "base, whose clock it goes by, is not heard")
+        return link_from("guard", "waits", heard, str(state.reason) or "base, whose clock it goes by, is not heard")
     if blocked := chain.blocked:
         text = "; ".join(_judged(way, verdict) for way, verdict in blocked)
         return link_from("guard", "waits" if chain.broken("ranger") else "STOPS", heard, text)
     limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.freedom in ("blocked", "creep")]
-    limits += [
-        f"{sensor} is not trusted: {why}" for sensor, why in (state.sensors | state.other_sensors).items() if why
-    ]
+    limits += [f"{name} is not trusted: {sensor.trouble}" for name, sensor in state.sensors.items() if sensor.trouble]
     if limits:
         return link_from("guard", "limits", heard, "; ".join(limits))
     is_told = chain.lease is not None and state.reason == chain.lease.sample.reason
-    return link_from("guard", "ok", heard, "no direction is blocked" if is_told or not state.reason else state.reason)
+    return link_from(
+        "guard", "ok", heard, "no direction is blocked" if is_told or not state.reason else str(state.reason)
+    )
 
 
 def board(chain: ChainState) -> Link:
@@ -169,7 +169,7 @@ def board(chain: ChainState) -> Link:
     heard = chain.base
     if heard is None:
         return Link(name="board", standing="waits", text="base, which talks to it, is not heard")
-    state, reason = heard.sample.board, heard.sample.reason
+    state, reason = heard.sample.board, str(heard.sample.reason)
     if not state.connected:
         return link_from("board", "STOPS", heard, "; ".join(chain.observation.faults("base")) or reason)
     if state.latch != "none":
@@ -201,18 +201,18 @@ def _armed(chain: ChainState) -> Link:
         return link_from("base", "STOPS", heard, "it gives no clock; restart giraff_base")
     power = f", battery {battery_text(battery.sample)}" if battery is not None else ""
     excused = chain.broken("operator", "hand", "lease", "ranger", "guard", "e-stop", "board")
-    reason = "see e-stop" if chain.broken("e-stop") else chain.told_once(state.reason) or "not armed"
+    reason = "see e-stop" if chain.broken("e-stop") else chain.told_once(str(state.reason)) or "not armed"
     lease_link = chain.links["lease"]
     # A base with a reason of its own forbids to move, whoever asks.
-    is_idle = lease_link.standing == "idle" and state.reason == lease_link.text
+    is_idle = lease_link.standing == "idle" and str(state.reason) == lease_link.text
     if is_idle and not state.armed and not excused:
         return link_from("base", "idle", heard, reason)
     if not state.armed or (state.reason and chain.wants_to_move and not state.driving):
         if excused:
             return link_from("base", "waits", heard, reason)
-        return link_from("base", "STOPS", heard, state.reason or "not armed; hold the hand level")
+        return link_from("base", "STOPS", heard, str(state.reason) or "not armed; hold the hand level")
     if state.reason and state.driving:
-        return link_from("base", "limits", heard, state.reason + power)
+        return link_from("base", "limits", heard, f"{state.reason}{power}")
     return link_from("base", "ok", heard, ("drives" if state.driving else "armed") + power)
 
 
@@ -234,7 +234,7 @@ def wheels(chain: ChainState) -> Link:
 
 def _judged(way: str, verdict: Verdict) -> str:
     held = "blocked" if verdict.allowed == 0.0 else "only creeps"
-    return f"{way} {held}: {Trouble(verdict.reason, verdict.way_out)}"
+    return f"{way} {held}: {verdict.reason}"
 
 
 def _distance(reading: Range) -> str:

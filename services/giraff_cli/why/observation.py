@@ -56,4 +56,4 @@ class Observation(LatestSamples):
     def faults(self, service: str) -> tuple[str, ...]:
         """Return what the processes of a service say is wrong, with them or elsewhere; nothing without an answer."""
         told = [health for health in self.health if health.service == service]
-        return tuple(fault for health in told for fault in (*health.faults, *health.notices))
+        return tuple(str(fault) for health in told for fault in (*health.faults, *health.notices))

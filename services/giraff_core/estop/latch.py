@@ -12,32 +12,25 @@ import msgspec
 from giraff_core.io import Store, Writer
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import plain
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 
 RESET_COMMAND: Final = "giraff estop reset"
 LATCH_FILE: Final = "estop.json"
 
 
-class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Engaged or released, and who did that."""
 
     engaged: bool
     id: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
     """Names the newest engaging; a reset that names another clears nothing."""
     by: str
-    reason: str
-    """Why it is engaged, and how to release it; empty when it is not."""
+    reason: Trouble = WELL
+    """Why it is engaged, and how to release it."""
     off: bool = False
-    """The stop is off. Written only where it is true: an older base takes a file with it for damaged, and stays
-    stopped."""
+    """The stop has switched off a drive that else holds the robot up."""
     empty: bool = False
-    """The battery was empty, whoever engaged the stop: base refuses a reset until it is charged. Written as `off`."""
-
-    @property
-    def trouble(self) -> Trouble:
-        """What `reason` says: an older base refuses a file with a second field, and how to release it comes last."""
-        what, _, remedy = self.reason.rpartition("; ")
-        return Trouble(what, remedy) if what and RESET_COMMAND in remedy else Trouble(self.reason)
+    """The battery was empty, whoever engaged the stop: base refuses a reset until it is charged."""
 
 
 def is_confirmed_stop(answer: EStopAnswer) -> bool:
@@ -45,7 +38,7 @@ def is_confirmed_stop(answer: EStopAnswer) -> bool:
     return answer.done and answer.engaged
 
 
-RELEASED: Final = EStopLatch(engaged=False, id=0, by="", reason="")
+RELEASED: Final = EStopLatch(engaged=False, id=0, by="")
 
 
 def latch_bytes(latch: EStopLatch) -> bytes:
@@ -68,7 +61,7 @@ def load_latch(store: Store, lost_id: int) -> EStopLatch:
         engaged=True,
         id=lost_id,  # of the one that was lost nothing is known: not its id again
         by="base",
-        reason=f"{why}; see that the robot may move, then {RESET_COMMAND}",
+        reason=Trouble(why, f"see that the robot may move, then {RESET_COMMAND}"),
     )
 
 

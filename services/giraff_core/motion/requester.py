@@ -133,9 +133,9 @@ class MotionRequester:
     def result(self, now: float) -> MotionResult | None:
         """How it has ended, or why it is given up; None: it goes on."""
         if (state := self.state) is not None and state.stage == "ended":
-            return result_of(state, state.outcome, state.reason, begun=True)
+            return result_of(state, state.outcome, str(state.reason), begun=True)
         if state is None and self._answer is not None and not self._answer.accepted:
-            return result_of(None, "refused", self._answer.reason, begun=False)
+            return result_of(None, "refused", str(self._answer.reason), begun=False)
         if self._cancelled_at is not None:
             return self._after_cancel(self._cancelled_at, now)
         if self._lost is not None:

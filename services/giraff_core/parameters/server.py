@@ -138,8 +138,7 @@ class ParameterServer(Generic[ConfigT]):
             instance=self._instance,
             host=self._host,
             done=not refusal,
-            reason=str(refusal),
-            remedy=refusal.remedy,
+            reason=refusal,
             mistyped=mistyped,
             params=() if refusal else self._params.describe(names),
         )

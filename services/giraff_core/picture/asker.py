@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from giraff_schemas.camera import HOLD_ENDS, CameraHold, CameraState, Picture, PictureSize
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 _LETS_GO: Final = 1.0
 """s after the last `want` that nobody looks any longer."""
@@ -93,7 +93,7 @@ class PictureAsker:
                 f"the camera {self._camera} does not take this host's word, or shows its picture to as many as it can",
                 "on a secured network, write `camera` for this host in [network.access.operators] on all hosts",
             )
-        return trouble_of(self.state)
+        return self.state.reason
 
     def _hold(self, now: float) -> CameraHold | None:
         if self.state is None or self._is_over or now - self._wanted > _LETS_GO:

@@ -17,7 +17,7 @@ from giraff_guard.ultrasonic.level import floor_from, level_distance
 from giraff_guard.ultrasonic.self_test import SelfTest
 from giraff_guard.ultrasonic.silence_trust import OwnEchoes, Ping, SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
-from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_schemas.trouble import WELL, Trouble
 
 _KEPT: Final = 4
 """Readings: what was heard the time before last is not alone when it is heard again."""
@@ -119,7 +119,7 @@ class Sensor:
         if reading is None:
             return Trouble(f"{self.name} has not been heard yet", "start giraff_ranger")
         if reading.state == "fault":
-            return trouble_of(reading).of(f"{self.name} is faulty")
+            return reading.reason.of(f"{self.name} is faulty")
         old = age(reading.tick, now)
         if old > self._live.config.range_budget:
             last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"

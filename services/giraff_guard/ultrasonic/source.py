@@ -69,7 +69,7 @@ class UltrasonicSource:
         if not sensor or creep >= self._largest:
             return None
         reason = f"{sensor} has heard something that touches the robot's side"
-        return Verdict(allowed=creep, freedom="creep", sensor=sensor, reason=reason, way_out="")
+        return Verdict(allowed=creep, freedom="creep", sensor=sensor, reason=Trouble(reason))
 
     def relied_on(self, way: Way, now: RobotTime) -> RobotTime | None:
         """The oldest of the newest readings of this way's sensors."""

@@ -18,6 +18,7 @@ from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.services import BASE
 from giraff_schemas.text import plain, printable
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
+from giraff_schemas.trouble import Trouble
 
 _TURN: Final = 0.01  # s
 
@@ -119,7 +120,7 @@ def engaging(by: str, reason: str, *, off: bool = False) -> EStopEngage:
 
     A name or a reason in letters of another locale stops no stop: what cannot be sent becomes "?".
     """
-    return EStopEngage(by=printable(by), reason=printable(reason), off=off)
+    return EStopEngage(by=printable(by), reason=Trouble(printable(reason)), off=off)
 
 
 def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> EStopClient:

@@ -30,7 +30,11 @@ def diagnostics(stamp_ns: int, robot: str, newest: LatestSamples, now_ns: int) -
     """Return a row for each part. `robot`: its name; `now_ns`: of the clock by which `newest` has heard."""
     rows = {part: _row(newest.latest(topic, now_ns), tell) for part, topic, tell in _PARTS}
     guard = newest.latest(topics.GUARD, now_ns)
-    doubts = {**guard.sample.sensors, **guard.sample.other_sensors} if guard is not None and guard.fresh else {}
+    doubts = (
+        {name: str(each.trouble) for name, each in guard.sample.sensors.items()}
+        if guard is not None and guard.fresh
+        else {}
+    )
     ranges: dict[str, Latest[Range]] = {}
     for each in newest.all(topics.RANGE, now_ns):
         ranges.setdefault(each.sample.sensor, each)
@@ -75,11 +79,11 @@ def _base(state: BaseState) -> _Row:
         "line errors": state.board.line_errors,
     }
     if not state.board.connected:
-        return _Row(_ERROR, state.reason or "the base board is not connected; plug in its cable", values)
+        return _Row(_ERROR, str(state.reason) or "the base board is not connected; plug in its cable", values)
     # A robot that nobody drives is well, and also has a reason why it does not move.
     return _Row(
         _WARN if state.reason and state.armed else _OK,
-        state.reason or ("armed" if state.armed else "not armed"),
+        str(state.reason) or ("armed" if state.armed else "not armed"),
         values,
     )
 
@@ -87,13 +91,13 @@ def _base(state: BaseState) -> _Row:
 def _guard(state: GuardState) -> _Row:
     directions = {each: getattr(state, each) for each in ("forward", "backward", "turn_left", "turn_right")}
     values = {each: f"{verdict.freedom}, at most {verdict.allowed:.2f}" for each, verdict in directions.items()}
-    return _Row(_WARN if state.reason and state.operator else _OK, state.reason or "commands pass", values)
+    return _Row(_WARN if state.reason and state.operator else _OK, str(state.reason) or "commands pass", values)
 
 
 def _estop(stop: EStop) -> _Row:
     values = {"engaged": stop.engaged, "by": stop.by}
     if stop.engaged:
-        return _Row(_ERROR, stop.reason or f"engaged by {stop.by}", values)
+        return _Row(_ERROR, str(stop.reason) or f"engaged by {stop.by}", values)
     return _Row(_OK, "not engaged", values)
 
 
@@ -110,7 +114,7 @@ def _battery(battery: Battery) -> _Row:
 
 def _range(reading: Range) -> _Row:
     if reading.state == "fault":
-        return _Row(_ERROR, reading.reason or "the sensor has a fault", {"state": reading.state})
+        return _Row(_ERROR, str(reading.reason) or "the sensor has a fault", {"state": reading.state})
     return _Row(_OK, reading.state, {"state": reading.state, "range (m)": reading.range})
 
 

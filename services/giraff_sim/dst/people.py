@@ -30,7 +30,7 @@ from giraff_schemas.topics import (
     Query,
     Topic,
 )
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, Frame, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.dst.hands import Fingers, RestlessHand
 from giraff_sim.hosts.process import Process
@@ -164,7 +164,7 @@ class Caretaker:
 
     def engage(self, by: str = "") -> None:
         """Ask to stop, in the name of `by`; empty: in its own."""
-        self._ask(ESTOP_ENGAGE, EStopEngage(by=by or self._process.instance, reason="drill"))
+        self._ask(ESTOP_ENGAGE, EStopEngage(by=by or self._process.instance, reason=Trouble("drill")))
 
     def turn(self, now: float) -> None:
         self.timers[0].due(now)
@@ -195,7 +195,7 @@ class Button:
 
     def engage(self) -> None:
         """Ask to stop."""
-        asked = EStopEngage(by=self._process.instance, reason="drill")
+        asked = EStopEngage(by=self._process.instance, reason=Trouble("drill"))
         self._asking = self._process.ask(ESTOP_ENGAGE, asked, is_confirmed_stop)
         self._process.wake()
 

@@ -164,7 +164,8 @@ class Requests:
             return _refusal(403, f"the stop is asked for, and off is not: {_NOT_CALLED_SO}")
         if word is None:
             return web.json_response({"asked": True}, status=202)
-        return web.json_response({"asked": True, "estop": {name: getattr(word, name) for name in _TOLD_OF_STOP}})
+        told = msgspec.to_builtins(word)
+        return web.json_response({"asked": True, "estop": {name: told[name] for name in _TOLD_OF_STOP}})
 
     async def _session(self, request: web.BaseRequest) -> Answer:
         try:

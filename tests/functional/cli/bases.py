@@ -17,11 +17,12 @@ from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, key_of
+from giraff_schemas.trouble import Trouble
 
 ROBOT = "sim-estop"
 EPOCH = 5
-DONE = EStopAnswer(done=True, engaged=True, id=7, reason="", instance="b")
-LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason="smoke")
+DONE = EStopAnswer(done=True, engaged=True, id=7, instance="b")
+LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason=Trouble("smoke"))
 
 Answer = Callable[[Any], EStopAnswer | None]
 """What base answers to a request; None: nothing, as one that hangs."""

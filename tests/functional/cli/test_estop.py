@@ -19,6 +19,7 @@ from giraff_node.network.session import Role, close_session, open_session
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import alive_key
+from giraff_schemas.trouble import Trouble
 from tests.functional.cli.bases import DONE, EPOCH, ROBOT, base
 from tests.support.waiting import wait
 
@@ -43,7 +44,7 @@ def test_a_stop_and_a_reset_are_told_once_base_confirms_them(
     network: NetworkConfig, connection: RobotConnection
 ) -> None:
     def answer(request: Any) -> EStopAnswer:
-        return DONE if isinstance(request, EStopEngage) else EStopAnswer(done=True, engaged=False, id=7, reason="")
+        return DONE if isinstance(request, EStopEngage) else EStopAnswer(done=True, engaged=False, id=7)
 
     with base(network, answer) as robot:
         assert engage(connection, "me", "a cat", 60.0).code == 0
@@ -52,8 +53,8 @@ def test_a_stop_and_a_reset_are_told_once_base_confirms_them(
         code, text, *_ = reset(connection, "me", 60.0)
     assert code == 0
     assert text.startswith(f"cleared latch 7 of {ROBOT}")
-    assert robot.asked[0][0] == EStopEngage(by="me", reason="a cat")
-    assert EStopEngage(by="me", reason="a cat", off=True) in [request for request, _ in robot.asked]
+    assert robot.asked[0][0] == EStopEngage(by="me", reason=Trouble("a cat"))
+    assert EStopEngage(by="me", reason=Trouble("a cat"), off=True) in [request for request, _ in robot.asked]
     request, _ = robot.asked[-1]
     assert isinstance(request, EStopReset)
     assert (request.id, request.tick is not None and request.tick.epoch) == (7, EPOCH)

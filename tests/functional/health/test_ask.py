@@ -10,25 +10,34 @@ import pytest
 
 from giraff_health.ask import WELL, socket_path
 from giraff_schemas.health import Health
+from giraff_schemas.trouble import Trouble
 from tests.functional.health.answering import answering, check
 
 
-def line(*faults: str, notices: tuple[str, ...] = ()) -> bytes:
+def line(*faults: str, notice: str = "") -> bytes:
     """The answer of a service with these faults."""
-    ok = not faults
-    health = Health(service="base", instance="1", host="h", pid=7, uptime=1.5, ok=ok, faults=faults, notices=notices)
+    health = Health(
+        service="base",
+        instance="1",
+        host="h",
+        pid=7,
+        uptime=1.5,
+        ok=not faults,
+        faults=tuple(Trouble(*fault.split("; ")) for fault in faults),
+        notices=(Trouble(notice),) if notice else (),
+    )
     return msgspec.json.encode(health) + b"\n"
 
 
 def test_a_well_service_is_0_with_the_whole_answer(tmp_path: Path) -> None:
-    answer = line(notices=("no wheels",))
+    answer = line(notice="no wheels")
     with answering(tmp_path, answer):
         assert check(tmp_path, "base") == (0, answer.decode())
 
 
 def test_an_unwell_one_is_1_with_a_line_a_fault(tmp_path: Path) -> None:
-    with answering(tmp_path, line("/dev/x: unplugged", "the disk is full")):
-        assert check(tmp_path, "base") == (1, "/dev/x: unplugged\nthe disk is full\n")
+    with answering(tmp_path, line("/dev/x: unplugged; plug it in", "the disk is full")):
+        assert check(tmp_path, "base") == (1, "/dev/x: unplugged; plug it in\nthe disk is full\n")
 
 
 def test_no_words_of_a_fault_make_a_service_well() -> None:

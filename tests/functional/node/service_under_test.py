@@ -13,6 +13,7 @@ from giraff_node import Node, Timer
 from giraff_schemas.messages import Battery, Tick
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK
+from giraff_schemas.trouble import Trouble
 
 
 class Config(msgspec.Struct, frozen=True):
@@ -41,11 +42,11 @@ def main(role: str) -> None:
                 print(f"heard gapless={gapless} newest={last.seq >= sequences[len(sequences) // 2]}", flush=True)
                 sequences.clear()
             for asked in requests.take() if role == "talker" else ():
-                reason = asked.request.reason
-                asked.answer(EStopAnswer(done=reason != "refuse", engaged=True, id=said, reason=reason))
+                reason = asked.request.reason.what
+                asked.answer(EStopAnswer(done=reason != "refuse", engaged=True, id=said, reason=Trouble(reason)))
             for asked in requests.take() if role == "sleepy" else ():
                 print("hangs", flush=True)
-                while not Path(asked.request.reason).exists():
+                while not Path(asked.request.reason.what).exists():
                     time.sleep(0.01)
             if role == "broken":
                 raise RuntimeError("the loop itself broke down")

@@ -13,11 +13,11 @@ import msgspec
 from giraff_schemas.codec import decode
 from giraff_schemas.topics import GUARD, WHEELS
 head = dict(seq=1, stamp_ns=1, instance="a")
-verdict = dict(allowed=1.0, freedom="free", sensor="", reason="", way_out="")
+verdict = dict(allowed=1.0, freedom="free", sensor="")
 ways = dict.fromkeys(("forward", "backward", "turn_left", "turn_right"), verdict)
 counts = dict.fromkeys(("left_ticks", "right_ticks", "left_pwm_counts", "right_pwm_counts", "board_us", "boot_id"), 1)
 said = {
-    GUARD: head | ways | dict(operator="", reason="", sensors={}),
+    GUARD: head | ways | dict(operator="", sensors={}),
     WHEELS: head | counts | dict(left_velocity=0.0, right_velocity=0.0, tick=dict(epoch=1, robot_ns=2)),
 }
 start = threading.Barrier(12)

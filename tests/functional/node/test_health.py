@@ -16,6 +16,7 @@ from giraff_schemas.codec import encode
 from giraff_schemas.health import Health
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE, key_of
+from giraff_schemas.trouble import Trouble
 from tests.functional.health.answering import check
 from tests.functional.node.peers import ROBOT, Peers
 from tests.support.manager import FakeManager
@@ -86,7 +87,7 @@ def test_a_second_process_of_a_service_is_unwell_and_says_why(peers: Peers, tmp_
 def test_a_manager_that_is_not_there_is_told_of_and_does_not_matter(peers: Peers, tmp_path: Path) -> None:
     peers.start("talker", NOTIFY_SOCKET=str(tmp_path / "nobody"))
     wait(lambda: bool(peers.health("base").notices), 60.0)
-    assert "NOTIFY_SOCKET" in peers.health("base").notices[0]
+    assert "NOTIFY_SOCKET" in str(peers.health("base").notices[0])
     assert peers.health("base").ok
 
 
@@ -112,7 +113,7 @@ def test_a_loop_that_hangs_looks_dead_and_ends_its_process_with_the_place_in_its
     assert [manager.await_next() for _ in range(3)] == [["WATCHDOG=1"]] * 3  # 4.5 s, in which the watchdog leaves it
     path = tmp_path / "guard.sock"
     assert ask(str(path), timeout=60.0)
-    request = encode(EStopEngage(by="test", reason=str(tmp_path / "never")))
+    request = encode(EStopEngage(by="test", reason=Trouble(str(tmp_path / "never"))))
 
     def hangs() -> bool:
         peers.session.get(key_of(ROBOT, ESTOP_ENGAGE), lambda _reply: None, payload=request, timeout=0.1)

@@ -79,4 +79,4 @@ def test_each_of_those_who_wait_is_answered_by_itself(tmp_path: Path) -> None:
     wait(lambda: desk.has_answered(saved_again), what="the last is answered")
     assert [asked.said.done for asked in (saved, unknown, saved_again) if asked.said] == [True, False, True]
     assert unknown.said is not None
-    assert "did you mean guard.margin" in unknown.said.reason
+    assert "did you mean guard.margin" in str(unknown.said.reason)

@@ -9,9 +9,10 @@ import pytest
 
 from giraff_core.estop.latch import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, load_latch
 from giraff_node.process.state import Folder, write_file_durably
+from giraff_schemas.trouble import Trouble
 from tests.support.waiting import wait
 
-ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")
+ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason=Trouble("space bar"))
 
 
 def saver_in(directory: Path) -> LatchSaver:

@@ -10,6 +10,7 @@ import pytest
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
+from giraff_schemas.trouble import Trouble
 from tests.support.process_robot import ARENA, BRIEF, FULL_TILT, PATIENCE, ProcessRobot, process_robot
 from tests.support.replays import record_drive, say_again
 
@@ -81,7 +82,7 @@ def test_a_reset_that_is_said_again_clears_nothing_and_one_that_counts_moves_not
     for topic in (TICK, ESTOP):
         robot.observer.follow(topic)
     robot.drive_forward(BRIEF)
-    first = ask(robot, EStopEngage(by="test", reason="first"))
+    first = ask(robot, EStopEngage(by="test", reason=Trouble("first")))
     assert (first.done, first.engaged) == (True, True)
     since_us = robot.simulator.now() + 350_000
     old = fresh_reset(robot, first.id)  # said later only
@@ -90,7 +91,7 @@ def test_a_reset_that_is_said_again_clears_nothing_and_one_that_counts_moves_not
     assert (late.done, late.engaged) == (False, True), late
     heeded = clear(robot, first.id)
     robot.run(1.0)  # the hand is tilted all the time: a reset permits motion and never causes it
-    second = ask(robot, EStopEngage(by="test", reason="second"))
+    second = ask(robot, EStopEngage(by="test", reason=Trouble("second")))
     assert second.id != first.id
     again = ask(robot, heeded)
     assert (again.done, again.engaged) == (False, True), again

@@ -34,6 +34,7 @@ from giraff_schemas.topics import (
     health_key,
     key_of,
 )
+from giraff_schemas.trouble import Trouble
 from giraff_sim.board import ROOT
 from tests.support.waiting import wait
 
@@ -83,7 +84,7 @@ class Base:
         return newest
 
     def engage(self) -> EStopAnswer:
-        return self._ask(ESTOP_ENGAGE, EStopEngage(by="test", reason="a shout"))
+        return self._ask(ESTOP_ENGAGE, EStopEngage(by="test", reason=Trouble("a shout")))
 
     def reset(self) -> EStopAnswer:
         newest = self._newest[TICK.key]
@@ -146,18 +147,18 @@ def test_the_latch_outlives_base_and_so_does_a_reset(base: Base) -> None:
 def test_a_first_start_is_engaged_and_says_how_to_go_on(base: Base) -> None:
     estop = base.start()
     assert (estop.engaged, estop.by) == (True, "base")
-    assert "estop.json is missing" in estop.reason
-    assert estop.reason.endswith("giraff estop reset")
+    assert "estop.json is missing" in str(estop.reason)
+    assert str(estop.reason).endswith("giraff estop reset")
     assert base.reset().done
 
 
 def test_state_that_cannot_be_written_is_told_and_nothing_is_released(base: Base) -> None:
     base.state.write_text("a file where the directory belongs")
     assert base.start().engaged
-    base.wait(lambda: any("cannot be kept" in fault for fault in base.health().faults))
+    base.wait(lambda: any("cannot be kept" in str(fault) for fault in base.health().faults))
     engaged = base.engage()
     assert (engaged.done, engaged.engaged) == (False, True)
-    assert str(base.state) in engaged.reason
+    assert str(base.state) in str(engaged.reason)
     base.wait(lambda: base.estop.by == "test")
     reset = base.reset()
     assert (reset.done, reset.engaged) == (False, True)

@@ -17,6 +17,7 @@ import msgspec
 import pytest
 
 from giraff_schemas.messages import EStop
+from giraff_schemas.trouble import Trouble
 from giraff_web.limits import Allowance, Limits
 from giraff_web.messages import LARGEST, Looking, Refused
 from giraff_web.pages import Closed, Opened, StopAsked
@@ -267,7 +268,9 @@ def test_pings_are_answered_and_count_as_what_a_page_says(tmp_path: Path) -> Non
     trying(tmp_path, course, limits=Limits()._replace(rate=5.0))
 
 
-WORD = EStop(engaged=True, id=7, by="web@desk (iPhone)", reason="STOP on a page", engaged_ns=1 << 60, instance="base")
+WORD = EStop(
+    engaged=True, id=7, by="web@desk (iPhone)", reason=Trouble("STOP on a page"), engaged_ns=1 << 60, instance="base"
+)
 
 
 def test_a_request_to_stop_is_answered_with_bases_word(tmp_path: Path) -> None:

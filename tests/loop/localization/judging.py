@@ -93,7 +93,7 @@ def _row(pose: MapPose, truth: Pose, path: float, ms: float) -> Row:
         yaw_error=abs(math.remainder(pose.yaw - truth.yaw, math.tau)),
         state=pose.state,
         is_near=min(error, *near, math.inf) < RIGHT,
-        doubts_the_map=NOT_THE_MAP in pose.reason,
+        doubts_the_map=NOT_THE_MAP in str(pose.reason),
         ms=ms,
         particles=pose.particles,
     )

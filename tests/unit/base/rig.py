@@ -11,6 +11,7 @@ from giraff_base.policy import BasePolicy
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
     ECHO_MAX_AGE_MS,
@@ -283,7 +284,7 @@ class Rig:
             source=self.source,
             faults=self.faults,
             hand_neutral=neutral if self.hand_neutral is None else self.hand_neutral,
-            reason=self.reason,
+            reason=Trouble(self.reason),
         )
 
     def say(self, command: GuardedCommand) -> None:

@@ -187,7 +187,7 @@ class Events:
             self.judge.releasing = False
 
     def engage(self) -> None:
-        self.rig.base.on_engage(EStopEngage(by="somebody", reason="a shout"), self.rig.now)
+        self.rig.base.on_engage(EStopEngage(by="somebody", reason=Trouble("a shout")), self.rig.now)
         self.judge.latched, self.judge.releasing = True, False
 
     def latch_board(self, latch: Latch) -> None:
@@ -235,7 +235,7 @@ class Events:
         if sent.moves:
             assert self.checked
             assert sent.state.armed
-            assert sent.state.reason == "" or "slowed" in sent.state.reason
+            assert str(sent.state.reason) == "" or "slowed" in str(sent.state.reason)
             assert self.judge.may_drive(sent.robot_ns)
             assert self.judge.was_armed()
             assert sent.report.drive_state == DriveState.ACTIVE

@@ -30,7 +30,7 @@ def test_a_low_battery_halves_the_speed_and_warns() -> None:
     assert rig.run(4.9)[-1].levels == (70, 70)
     assert rig.base.faults["battery"] == WELL
     assert rig.run(0.2)[-1].levels == (35, 35)
-    assert rig.base.state().reason == "slowed: the battery is low at 21.6 V; charge it"
+    assert str(rig.base.state().reason) == "slowed: the battery is low at 21.6 V; charge it"
     assert rig.base.faults["battery"] == Trouble("the battery is low at 21.6 V", "charge it")
     assert rig.base.state().armed
 
@@ -70,12 +70,12 @@ def reset(rig: Rig) -> EStopAnswer:
 def test_an_empty_battery_engages_the_emergency_stop_once_and_only_a_charged_one_lets_it_be_reset() -> None:
     rig = emptied()
     latch = rig.base.latch
-    assert (latch.engaged, latch.by, latch.reason) == (True, "battery", EMPTY)
+    assert (latch.engaged, latch.by, str(latch.reason)) == (True, "battery", EMPTY)
     assert not rig.base.state().armed
-    assert rig.base.state().reason == f"emergency stop by battery: {EMPTY}"
+    assert str(rig.base.state().reason) == f"emergency stop by battery: {EMPTY}"
     assert rig.board.latch == Latch.ESTOP
     assert (answer := reset(rig)).engaged
-    assert answer.reason == "the battery is empty at 19.8 V; charge it to 22 V"
+    assert str(answer.reason) == "the battery is empty at 19.8 V; charge it to 22 V"
     charge(rig, 21.9)  # it has recovered at rest
     rig.tilt(0.0)
     rig.run(6.0)
@@ -95,7 +95,9 @@ def test_the_stop_outlives_a_restart_and_goes_by_the_volts_of_then(volts: float,
     rig = Rig(latch=latch)
     rig.connected = False
     rig.run(1.0)
-    assert reset(rig).reason == "the battery was empty and is not measured now; connect the base board, then reset it"
+    assert (
+        str(reset(rig).reason) == "the battery was empty and is not measured now; connect the base board, then reset it"
+    )
     rig.connected = True
     charge(rig, volts)
     rig.run(5.2)
@@ -107,13 +109,13 @@ def test_the_stop_outlives_a_restart_and_goes_by_the_volts_of_then(volts: float,
 @pytest.mark.parametrize("is_first", [False, True])
 def test_a_stop_of_a_person_does_not_hide_that_the_battery_was_empty(is_first: bool, is_restarted: bool) -> None:
     rig = Rig() if is_first else emptied()
-    rig.base.on_engage(EStopEngage(by="kim", reason="look"), rig.now)
+    rig.base.on_engage(EStopEngage(by="kim", reason=Trouble("look")), rig.now)
     charge(rig, 19.8)
     rig.run(5.5)
     assert rig.base.latch.by == ("battery" if is_first else "kim")
     if is_restarted:
         rig = Rig(latch=rig.base.latch)
-        rig.base.on_engage(EStopEngage(by="kim", reason="before the board is heard"), rig.now)
+        rig.base.on_engage(EStopEngage(by="kim", reason=Trouble("before the board is heard")), rig.now)
         rig = Rig(latch=rig.base.latch)
         charge(rig, 21.0)
         rig.run(0.5)

@@ -18,7 +18,7 @@ def test_a_machine_that_was_suspended_must_be_armed_again(seconds: float) -> Non
     for command in queued:  # what waited in the network is handed over now
         rig.say(command)
     assert moving(rig.run(2.0)) == []
-    assert "stale" in rig.base.state().reason
+    assert "stale" in str(rig.base.state().reason)
     rig.drive(0.6)
 
 
@@ -33,7 +33,7 @@ def test_a_clock_that_goes_back_stops_the_robot_until_it_is_well_past_all_it_has
         sent = rig.run(0.01)
         assert moving(sent) == []
         assert not rig.base.state().armed
-    assert sent[-1].state.reason == "the robot's clock went back; restart giraff_base"
+    assert str(sent[-1].state.reason) == "the robot's clock went back; restart giraff_base"
     rig.drive(0.6)
 
 
@@ -64,7 +64,7 @@ def test_a_clock_that_goes_back_while_the_robot_stands_lets_nothing_arm() -> Non
     rig.robot_ns -= 10 * NS
     rig.run(5.0)
     assert not rig.base.state().armed
-    assert "clock went back" in rig.base.state().reason
+    assert "clock went back" in str(rig.base.state().reason)
 
 
 def test_a_clock_that_goes_back_twice_is_held_against_all_it_has_ever_shown() -> None:

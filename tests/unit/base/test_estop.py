@@ -5,18 +5,18 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_base.estop import RELEASED, EStopControl, EStopLatch
+from giraff_base.estop import RELEASED, EStopLatch
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, DriveState, EstopFrame, Latch
 from tests.unit.base.rig import EPOCH, Rig, moving
 
-ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar; to go on: giraff estop reset")
+ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason=Trouble("space bar", "to go on: giraff estop reset"))
 
 
 def engage(rig: Rig, by: str = "keyboard", reason: str = "space bar") -> EStopAnswer:
-    return rig.base.on_engage(EStopEngage(by=by, reason=reason), rig.now)
+    return rig.base.on_engage(EStopEngage(by=by, reason=Trouble(reason)), rig.now)
 
 
 def reset(rig: Rig, age: float = 0.0, id_error: int = 0) -> EStopAnswer:
@@ -80,10 +80,10 @@ def test_base_that_starts_engaged_stays_so_and_says_by_whom() -> None:
     rig.run(1.0)
     rig.tilt(0.6)
     assert moving(rig.run(2.0)) == []
-    assert rig.base.state().reason == "emergency stop by keyboard: space bar; to go on: giraff estop reset"
+    assert str(rig.base.state().reason) == "emergency stop by keyboard: space bar; to go on: giraff estop reset"
     sample = rig.base.estop()
     assert (sample.engaged, sample.id, sample.by) == (True, 7, "keyboard")
-    assert sample.remedy == rig.base.state().remedy == "to go on: giraff estop reset"
+    assert sample.reason.remedy == rig.base.state().reason.remedy == "to go on: giraff estop reset"
 
 
 def test_a_reset_permits_motion_and_never_causes_it() -> None:
@@ -92,10 +92,10 @@ def test_a_reset_permits_motion_and_never_causes_it() -> None:
     engage(rig)
     rig.run(0.5)
     answer = reset(rig)
-    assert (answer.done, answer.engaged, answer.reason) == (True, False, "")
+    assert (answer.done, answer.engaged, str(answer.reason)) == (True, False, "")
     assert moving(rig.run(2.0)) == []
     assert rig.board.latch == Latch.NONE
-    assert rig.base.state().reason == "not armed since the emergency stop; hold the hand level for 0.2 s"
+    assert str(rig.base.state().reason) == "not armed since the emergency stop; hold the hand level for 0.2 s"
     rig.drive(0.6)
 
 
@@ -121,7 +121,7 @@ def test_a_reset_counts_only_while_it_is_fresh(age: float, is_done: bool) -> Non
     rig.run(1.5)
     answer = reset(rig, age)
     assert (answer.done, rig.base.latch.engaged, answer.engaged) == (is_done, not is_done, not is_done)
-    assert ("1 s" in answer.reason) != is_done
+    assert ("1 s" in str(answer.reason)) != is_done
 
 
 @pytest.mark.parametrize("tick", [None, RobotTime(epoch=EPOCH + 1, robot_ns=0), RobotTime(epoch=0, robot_ns=0)])
@@ -141,7 +141,7 @@ def test_a_reset_of_another_latch_clears_nothing_and_is_told_of_the_one_there(er
     engage(rig)
     answer = reset(rig, id_error=error)
     assert (answer.done, answer.engaged, answer.id) == (False, True, rig.base.latch.id)
-    assert f"latch {rig.base.latch.id} by keyboard" in answer.reason
+    assert f"latch {rig.base.latch.id} by keyboard" in str(answer.reason)
 
 
 def test_a_reset_replayed_8_s_late_clears_nothing_newer_and_nothing_moves() -> None:
@@ -185,7 +185,7 @@ def test_a_reset_from_before_the_newest_engaging_clears_nothing_even_of_the_same
     rig.run(0.1)
     answer = rig.base.on_reset(pressed, rig.now)
     assert (answer.done, answer.engaged) == (False, True)
-    assert "engaged again after this reset was asked for; ask again" in answer.reason
+    assert "engaged again after this reset was asked for; ask again" in str(answer.reason)
     assert reset(rig).done
 
 
@@ -200,7 +200,7 @@ def test_a_stop_that_was_asked_for_again_since_it_was_seen_is_not_cleared_though
     wish = EStopReset(by="carer", id=seen.id, tick=rig.now, engaged_ns=seen.engaged_ns)
     answer = rig.base.on_reset(wish, rig.now)
     assert (answer.done, answer.engaged) == (False, True)
-    assert "engaged again" in answer.reason
+    assert "engaged again" in str(answer.reason)
     newest = msgspec.structs.replace(wish, engaged_ns=rig.base.estop().engaged_ns)
     assert rig.base.on_reset(newest, rig.now).done
 
@@ -211,7 +211,7 @@ def test_each_cause_is_a_latch_of_its_own_that_a_reset_of_the_one_before_leaves(
     assert engage(rig, by="giraff estop").id != first.id
     answer = rig.base.on_reset(EStopReset(by="carer", id=first.id, tick=rig.ago(0.1)), rig.now)
     assert not answer.done
-    assert "by giraff estop" in answer.reason
+    assert "by giraff estop" in str(answer.reason)
     assert rig.base.latch.engaged
     reset(rig)
     assert engage(rig).id not in (first.id, first.id + 1)
@@ -221,8 +221,8 @@ def test_what_others_write_into_the_latch_is_cut() -> None:
     rig = Rig()
     engage(rig, by="x" * 1_000_000, reason="y" * 1_000_000)
     assert len(rig.base.latch.by) == 200
-    assert len(rig.base.latch.reason) < 300
-    assert rig.base.latch.reason.endswith("giraff estop reset")
+    assert len(str(rig.base.latch.reason)) < 300
+    assert str(rig.base.latch.reason).endswith("giraff estop reset")
 
 
 ODD = "a\x1b[2Jb\nc\x9bd\u202ee\udcc3"
@@ -233,19 +233,10 @@ def test_what_others_write_into_the_latch_steers_no_terminal() -> None:
     rig = Rig()
     engage(rig, by=ODD, reason=ODD)
     told = rig.base.estop()
-    assert (told.by, told.reason) == (PLAIN, f"{PLAIN}; to go on: giraff estop reset")
+    assert (told.by, str(told.reason)) == (PLAIN, f"{PLAIN}; to go on: giraff estop reset")
     assert str(rig.base.reason).isprintable()
-    assert str(
-        EStopControl(EStopLatch(engaged=True, id=1, by=ODD, reason=ODD), 1.0, knows_off=False).stops
-    ).isprintable()
     rig.base.on_reset(EStopReset(by=ODD, id=rig.base.latch.id, tick=rig.ago(0.0)), rig.now)
     assert (rig.base.latch.engaged, rig.base.latch.by) == (False, PLAIN)
-
-
-@pytest.mark.parametrize("reason", ["left wheel stuck: free it, then giraff estop reset", "a cat; a dog", ""])
-def test_a_latch_without_a_last_part_that_releases_it_is_told_whole(reason: str) -> None:
-    """As an older base has kept it."""
-    assert EStopLatch(engaged=True, id=1, by="", reason=reason).trouble == Trouble(reason)
 
 
 @pytest.mark.parametrize(
@@ -268,9 +259,8 @@ def test_a_latch_of_the_board_becomes_bases_own(latch: Latch, words: tuple[str, 
     assert state.board.latch == latch.name.lower()
     assert rig.base.latch.engaged
     assert rig.base.latch.by == "the base board"
-    assert all(word in state.reason for word in words)
-    assert state.remedy.endswith("then giraff estop reset")
-    assert state.reason.endswith(state.remedy)
+    assert all(word in str(state.reason) for word in words)
+    assert state.reason.remedy.endswith("then giraff estop reset")
     assert rig.board.latch == latch  # base does not paint it over with its own
     assert reset(rig).done
     rig.run(0.1)
@@ -312,7 +302,7 @@ def test_a_release_is_repeated_until_the_board_has_it_and_then_never() -> None:
     reset(rig)
     frames = [rig.step() for _ in range(20)]
     assert all(isinstance(frame, EstopFrame) and not frame.engage for frame in frames)
-    assert "released" in rig.base.state().reason
+    assert "released" in str(rig.base.state().reason)
     rig.board.is_deaf = False
     rig.run(0.1)
     assert rig.board.latch == Latch.NONE
@@ -344,10 +334,10 @@ def test_without_a_board_engaging_and_resetting_work() -> None:
     rig.connected = False
     rig.base.on_link_lost(Trouble("the port is gone", "plug it in"))
     engage(rig)
-    assert rig.base.state().reason.startswith("emergency stop by keyboard")
+    assert str(rig.base.state().reason).startswith("emergency stop by keyboard")
     assert rig.base.next_frame(rig.now) is None
     assert reset(rig).done
-    assert rig.base.state().reason == "the port is gone; plug it in"
+    assert str(rig.base.state().reason) == "the port is gone; plug it in"
 
 
 def test_an_engaging_takes_back_a_release_under_way() -> None:

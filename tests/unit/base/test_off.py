@@ -10,6 +10,7 @@ from giraff_base.estop import EStopControl, EStopLatch
 from giraff_core.estop.latch import latch_bytes
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopEngage
+from giraff_schemas.trouble import Trouble
 from tests.unit.base.rig import EPOCH, Rig
 from tests.unit.base.test_estop import ENGAGED, engage, reset
 
@@ -48,7 +49,7 @@ def test_off_is_asked_for_by_its_own_word_and_ended_by_a_reset_alone(monkeypatch
 @pytest.mark.parametrize("knows_off", [True, False])
 def test_a_board_that_switches_off_under_an_engaged_stop_turns_it_into_off(knows_off: bool) -> None:
     control = EStopControl(ENGAGED, 1.0, knows_off=knows_off)
-    cord = EStopEngage(by="base board", reason="the cord was pulled", off=True)
+    cord = EStopEngage(by="base board", reason=Trouble("the cord was pulled"), off=True)
     assert control.is_news(cord) == knows_off
     assert not control.is_news(msgspec.structs.replace(cord, off=False))
     control.engage(cord, RobotTime(epoch=EPOCH, robot_ns=1))
@@ -59,5 +60,5 @@ def test_a_board_that_switches_off_under_an_engaged_stop_turns_it_into_off(knows
 def test_a_drive_without_off_takes_it_as_a_plain_stop() -> None:
     rig = Rig(latch=msgspec.structs.replace(ENGAGED, off=True))
     assert (rig.base.latch.engaged, rig.base.latch.off) == (True, False)
-    rig.base.on_engage(EStopEngage(by="keyboard", reason="space bar held", off=True), rig.now)
+    rig.base.on_engage(EStopEngage(by="keyboard", reason=Trouble("space bar held"), off=True), rig.now)
     assert (rig.base.latch.engaged, rig.base.latch.off) == (True, False)

@@ -19,7 +19,7 @@ def test_a_hand_must_be_held_level_for_the_new_time() -> None:
     rig.operator_age = 0.0
     rig.run(0.02)
     first_neutral = rig.robot_ns
-    assert "for 1 s" in rig.base.state().reason
+    assert "for 1 s" in str(rig.base.state().reason)
     while not rig.base.state().armed:
         rig.step()
     assert rig.robot_ns - first_neutral == 1_000_000_000
@@ -50,7 +50,7 @@ def test_a_guards_command_older_than_the_new_budget_is_not_admitted() -> None:
     rig.run(0.1)
     sent = rig.run(0.1)
     assert not any(each.moves for each in sent)
-    assert "guard's command is too old" in sent[-1].state.reason
+    assert "guard's command is too old" in str(sent[-1].state.reason)
 
 
 def test_a_battery_below_the_new_limits_slows_and_stops() -> None:

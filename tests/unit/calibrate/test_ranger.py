@@ -306,11 +306,11 @@ def odometry(ns: int, yaw: float, breaks: int = 0) -> Odometry:
 def test_a_ping_has_the_raw_echo_and_the_pose_of_its_moment() -> None:
     hearing = Hearing()
     hearing.hear(odometry(1_000, 0.0))
-    hearing.hear(Range(sensor="rear", state="echo", range=9.0, echo_us=5800, reason="", tick=RobotTime(1, 1_500)))
+    hearing.hear(Range(sensor="rear", state="echo", range=9.0, echo_us=5800, tick=RobotTime(1, 1_500)))
     assert hearing.echoes == []
     hearing.hear(odometry(2_000, 0.2))
     assert hearing.echoes == [Echo("rear", 1.0, Pose(1.0, 0.0, 0.1))]
-    hearing.hear(Lease(instance="g", holder="m-1", operator="motion", counter=1, reason=""))
+    hearing.hear(Lease(instance="g", holder="m-1", operator="motion", counter=1))
     assert hearing.motion_holds_lease
     assert not hearing.fault
     hearing.hear(odometry(3_000, 0.2, breaks=1))

@@ -99,7 +99,7 @@ class Scene:
 
     def _say_state(self) -> None:
         state = stamped(
-            CameraState(camera="head", askers=self.policy.askers(), width=320, height=240, rate=15.0, reason=""),
+            CameraState(camera="head", askers=self.policy.askers(), width=320, height=240, rate=15.0),
             self._states,
             0,
             self.instance,

@@ -76,7 +76,7 @@ def test_pictures_that_others_alone_have_asked_for_are_not_taken() -> None:
     asker = PictureAsker("head", "me")
     asker.want("full", 0.0)
     assert not asker.takes(stamped(NOTHING, 0, 0, "camera"), "small"), "before it has heard the camera"
-    state = CameraState(camera="head", askers=(), width=320, height=240, rate=0.0, reason="")
+    state = CameraState(camera="head", askers=(), width=320, height=240, rate=0.0)
     assert asker.on_state(stamped(state, 0, 0, "camera"), "me", 0.1) is not None
     assert asker.on_picture(stamped(NOTHING, 0, 0, "another start"), "small", 0.2) is None
     assert asker.on_picture(stamped(NOTHING, 0, 0, "camera"), "small", 0.2) is not None
@@ -124,7 +124,7 @@ def test_no_name_is_so_long_that_the_state_reaches_nobody() -> None:
     for n in range(MOST_ASKERS):
         policy.on_hold(hold(f"{n:064}", by="\N{ROBOT FACE}" * 60_000), 0.1)
     assert len(policy.askers()) == MOST_ASKERS
-    state = CameraState(camera="head", askers=policy.askers(), width=320, height=240, rate=15.0, reason="")
+    state = CameraState(camera="head", askers=policy.askers(), width=320, height=240, rate=15.0)
     assert len(encode(stamped(state, 0, 0, "camera"))) < 20_000
 
 

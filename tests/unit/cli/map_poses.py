@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import Candidate, LocalizationState, MapPose, PlanarPose
+from giraff_schemas.trouble import Trouble
 from tests.unit.cli.samples import START, at
 
 
@@ -28,6 +29,6 @@ def map_pose(
         way=more.get("way", 0.0),
         particles=1000,
         map="" if state == "no_map" else "hall",
-        reason=reason,
+        reason=Trouble(reason),
         tick=None if robot_ns is None else at(robot_ns),
     )

@@ -8,6 +8,7 @@ from typing import Any
 from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_core.kinematics.pose import Pose
+from giraff_core.sensors import ULTRASONIC
 from giraff_schemas import topics
 from giraff_schemas.camera import Asker, CameraState, VisualOdometry
 from giraff_schemas.codec import stamped
@@ -26,6 +27,7 @@ from giraff_schemas.messages import (
     Range,
     RangeState,
     RobotTime,
+    SensorState,
     Tick,
     Tilt,
     Verdict,
@@ -33,6 +35,7 @@ from giraff_schemas.messages import (
 )
 from giraff_schemas.motion import IDLE
 from giraff_schemas.topics import Topic
+from giraff_schemas.trouble import Trouble
 from giraff_telemetry.collector import Telemetry
 
 SENSORS = ("front_left", "front_right", "rear")
@@ -87,7 +90,7 @@ def command(operator_ns: int | None, *, reason: str = "", epoch: int = EPOCH) ->
         source="hand",
         faults=0,
         hand_neutral=False,
-        reason=reason,
+        reason=Trouble(reason),
     )
 
 
@@ -123,7 +126,7 @@ def attitude(robot_ns: int, posture: str = "stands", cause: str = "") -> Attitud
 def verdict(
     allowed: float = 1.0, freedom: Freedom = "free", sensor: str = "", reason: str = "", way_out: str = ""
 ) -> Verdict:
-    return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason, way_out=way_out)
+    return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=Trouble(reason, way_out))
 
 
 def guard(forward: Verdict) -> GuardState:
@@ -134,7 +137,7 @@ def guard(forward: Verdict) -> GuardState:
         turn_right=verdict(),
         operator="hand",
         reason=forward.reason,
-        sensors=dict.fromkeys(SENSORS, ""),
+        sensors=dict.fromkeys(SENSORS, SensorState(type=ULTRASONIC)),
     )
 
 
@@ -152,20 +155,20 @@ def base(
         line_errors=line_errors,
     )
     return BaseState(
-        armed=armed, driving=armed, reason=reason, guard="guard", round_trip=0.02, budget_left=0.1, board=board
+        armed=armed, driving=armed, reason=Trouble(reason), guard="guard", round_trip=0.02, budget_left=0.1, board=board
     )
 
 
 def estop(*, engaged: bool = False) -> EStop:
-    return EStop(engaged=engaged, id=3, by="ann@desk" if engaged else "", reason="smoke" if engaged else "")
+    return EStop(engaged=engaged, id=3, by="ann@desk" if engaged else "", reason=Trouble("smoke" if engaged else ""))
 
 
 def lease(holder: str = "hand", operator: str = "joystick") -> Lease:
-    return Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason="")
+    return Lease(holder=holder, operator=operator, counter=1 if holder else 0)
 
 
 def reading(sensor: str, distance: float | None, state: RangeState = "echo", reason: str = "") -> Range:
-    return Range(sensor=sensor, state=state, range=distance, echo_us=0, reason=reason, tick=None)
+    return Range(sensor=sensor, state=state, range=distance, echo_us=0, reason=Trouble(reason), tick=None)
 
 
 def camera(*askers: str, reason: str = "") -> CameraState:
@@ -176,11 +179,11 @@ def camera(*askers: str, reason: str = "") -> CameraState:
         width=320,
         height=240,
         rate=14.9 if askers else 0.0,
-        reason=reason,
+        reason=Trouble(reason),
     )
 
 
-def seen(robot_ns: int, x: float, reason: str = "", blind_m: float = 0.0) -> VisualOdometry:
+def seen(robot_ns: int, x: float, reason: str = "", blind_m: float = 0.0, remedy: str = "") -> VisualOdometry:
     """A picture that was taken then, by which the robot went `x` m since the first."""
     return VisualOdometry(
         camera="head",
@@ -188,7 +191,7 @@ def seen(robot_ns: int, x: float, reason: str = "", blind_m: float = 0.0) -> Vis
         tick=at(robot_ns - 10 * MS),
         since_tick=0.01,
         key=0,
-        reason=reason,
+        reason=Trouble(reason, remedy),
         motion=None,
         path=(x, 0.0, math.radians(0.5) if x else 0.0),
         seen_m=x - blind_m,
@@ -240,7 +243,6 @@ def drive_ten_seconds(telemetry: Telemetry) -> None:
                 linear_x=0.4,
                 angular_z=-0.2,
                 source="hand",
-                reason="",
                 tick=at(now),
             )
             network.send(topics.OPERATOR_CMD_VEL, asked, now, name="joystick")

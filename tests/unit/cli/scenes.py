@@ -14,6 +14,7 @@ from giraff_schemas.codec import stamped
 from giraff_schemas.health import Health
 from giraff_schemas.messages import DriveCommand, GuardState, Tick, Tilt, Verdict
 from giraff_schemas.topics import Topic
+from giraff_schemas.trouble import Trouble
 from tests.unit.cli.samples import (
     EPOCH,
     MS,
@@ -47,7 +48,6 @@ def command(linear: float = 0.0, angular: float = 0.0, **fields: Any) -> DriveCo
         linear_x=linear,
         angular_z=angular,
         source="hand",
-        reason="",
         tick=at(NOW - 30 * MS),
     )
     return msgspec.structs.replace(sample, **fields)
@@ -105,7 +105,9 @@ class Scene:
     def complain(self, service: str, what: str) -> Scene:
         """A service that is there, and says what is wrong with it."""
         self.alive.add(service)
-        self.health.append(Health(service=service, instance="0", host="h", pid=1, uptime=1.0, ok=False, faults=(what,)))
+        self.health.append(
+            Health(service=service, instance="0", host="h", pid=1, uptime=1.0, ok=False, faults=(Trouble(what),))
+        )
         return self
 
     def hang(self, service: str, *topics: Topic[Any]) -> Scene:
@@ -249,12 +251,14 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
         "2 operators called joystick run under this name (hand, impostor); end all but one",
     ),
     "free lease": (
-        lambda s: s.put(topics.LEASE, msgspec.structs.replace(lease("", ""), reason="tilt to ask for it"), "g"),
+        lambda s: s.put(
+            topics.LEASE, msgspec.structs.replace(lease("", ""), reason=Trouble("tilt to ask for it")), "g"
+        ),
         "lease",
         "nobody holds it; tilt to ask for it",
     ),
     "someone else's lease": (
-        lambda s: s.put(topics.LEASE, msgspec.structs.replace(lease("k", "keyboard"), reason="wait 1 s"), "g"),
+        lambda s: s.put(topics.LEASE, msgspec.structs.replace(lease("k", "keyboard"), reason=Trouble("wait 1 s")), "g"),
         "lease",
         "held by keyboard, who is not heard here; wait 1 s",
     ),

@@ -65,7 +65,7 @@ def _params() -> bytes:
         Param(name=name, value=1, filed=1, saved=True, kind="", live=may, doc="")  # type: ignore[arg-type]
         for name, may in live.items()
     ]
-    return encode(ParamAnswer(service="guard", instance="1", host="pi", done=True, reason="", params=tuple(params)))
+    return encode(ParamAnswer(service="guard", instance="1", host="pi", done=True, params=tuple(params)))
 
 
 def _health() -> bytes:

@@ -16,12 +16,12 @@ LOOK = 0.2
 
 def says(linear: float, *, counter: int = 7, operator: str = "ann", source: Source = "hand") -> DriveCommand:
     return DriveCommand(
-        operator=operator, lease_counter=counter, linear_x=linear, angular_z=0.0, source=source, reason="", tick=None
+        operator=operator, lease_counter=counter, linear_x=linear, angular_z=0.0, source=source, tick=None
     )
 
 
 def lease(operator: str) -> Lease:
-    return Lease(holder="x" if operator else "", operator=operator, counter=1, reason="")
+    return Lease(holder="x" if operator else "", operator=operator, counter=1)
 
 
 @pytest.fixture

@@ -51,10 +51,9 @@ def test_with_nothing_wrong_nothing_is_found() -> None:
 
 def idle(chain: Scene) -> Scene:
     """Nobody holds the lease, and nothing is wrong."""
-    told = {"reason": str(IDLE), "remedy": IDLE.remedy}
-    chain.put(topics.LEASE, msgspec.structs.replace(lease("", ""), **told), "g")
-    chain.put(topics.GUARD, state(**told), "g")
-    chain.put(topics.BASE, msgspec.structs.replace(base(armed=False), **told), "b")
+    chain.put(topics.LEASE, msgspec.structs.replace(lease("", ""), reason=IDLE), "g")
+    chain.put(topics.GUARD, state(reason=IDLE), "g")
+    chain.put(topics.BASE, msgspec.structs.replace(base(armed=False), reason=IDLE), "b")
     return chain
 
 
@@ -72,8 +71,7 @@ def test_an_idle_robot_that_base_forbids_to_move_is_stopped_by_base() -> None:
     chain = idle(Scene()).put(topics.BASE, base(armed=False, reason=empty), "b")
     assert chain.diagnosis().conclusion == f"base: {empty}"
     CAUSES["e-stop"][0](chain)
-    idle_again = {"reason": str(IDLE), "remedy": IDLE.remedy}
-    chain.put(topics.LEASE, msgspec.structs.replace(lease("", ""), **idle_again), "g")
+    chain.put(topics.LEASE, msgspec.structs.replace(lease("", ""), reason=IDLE), "g")
     assert chain.diagnosis().stopped_by == "e-stop"
 
 

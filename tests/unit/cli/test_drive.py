@@ -33,7 +33,7 @@ from giraff_node.network.tokens import Token
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Battery, EStop, GuardState, Lease, Sample, Verdict
 from giraff_schemas.params import ParamAnswer
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import Latch
 from giraff_web.messages import on_page
 from tests.rules.repository import ROOT
@@ -74,7 +74,9 @@ class Desk:
         return self
 
     def holds(self, holder: str, operator: str, reason: str = "", unranked: tuple[str, ...] = ()) -> Desk:
-        lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, unranked=unranked)
+        lease = Lease(
+            holder=holder, operator=operator, counter=1 if holder else 0, reason=Trouble(reason), unranked=unranked
+        )
         self.person.policy.operator.on_lease(stamped(lease, 1, 0, "g"))
         return self
 
@@ -222,7 +224,8 @@ def test_the_longest_reasons_are_whole_on_80_by_24(cause: str) -> None:
     running = desk.picture
     desk.take(EStop(engaged=True, id=3, by=STUCK.by, reason=STUCK.reason))
     desk.stop = "STOPPED: base has confirmed; press r to release it"
-    for picture, told_of in (running, for_keys(cause)), (desk.picture, f"By the base board: {for_keys(STUCK.reason)}"):
+    by_board = f"By the base board: {for_keys(str(STUCK.reason))}"
+    for picture, told_of in (running, for_keys(cause)), (desk.picture, by_board):
         rows = drawn(picture)
         assert len(rows) == ROWS
         text = " ".join(" ".join(rows).split())
@@ -290,7 +293,7 @@ def answer(**changes: Any) -> ParamAnswer:
         msgspec.structs.replace(param, value=changes.get(param.name, param.value))
         for param in Parameters("base", KeyboardConfig(), ROBOT).describe()
     ]
-    return ParamAnswer(service="base", instance="i", host="pi", done=True, reason="", params=tuple(params))
+    return ParamAnswer(service="base", instance="i", host="pi", done=True, params=tuple(params))
 
 
 def test_the_limits_are_those_that_base_goes_by() -> None:
@@ -334,7 +337,7 @@ def test_the_picture_of_the_page_is_this_screen() -> None:
     assert desk.picture.elapsed == 0.0
     desk.person.wait(42.0)
     ranges = reading("front_left", 0.62), reading("front_right", None, "clear"), reading("rear", 1.04)
-    samples = (base(), msgspec.structs.replace(guard(near), reason=""), estop(), Battery(voltage=24.3))
+    samples = (base(), msgspec.structs.replace(guard(near), reason=WELL), estop(), Battery(voltage=24.3))
     desk.take(*samples, msgspec.structs.replace(odometry(0, 1.25, 0.5, 0.3), linear_x=0.15), *ranges)
     for _ in range(3):
         desk.person.wait(0.2)

@@ -24,14 +24,17 @@ from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, alive_key, key_of
+from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 
 ROBOT = "sim-estop"
 EPOCH = 5
-DONE = EStopAnswer(done=True, engaged=True, id=7, reason="", instance="b")
-LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason="smoke")
-RELEASED = EStop(engaged=False, id=7, by="ann@desk", reason="")
-WISH = EStopEngage(by="me", reason="a cat")
+DONE = EStopAnswer(done=True, engaged=True, id=7, instance="b")
+LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason=Trouble("smoke"))
+RELEASED = EStop(engaged=False, id=7, by="ann@desk")
+FULL = msgspec.structs.replace(DONE, done=False, reason=Trouble("disk full"))
+REFUSED = EStopAnswer(done=False, engaged=False, id=0, reason=Trouble("no"))
+WISH = EStopEngage(by="me", reason=Trouble("a cat"))
 ANSWERS_AFTER = 0.02  # s
 SERVICES = (("base", "b"), ("guard", "no-base"))
 """A base, and a service that is none."""
@@ -105,7 +108,7 @@ def test_engaging_is_told_once_base_confirms_it(network: Network, monkeypatch: p
         code, text, *_ = engage(network.connection, "me", "a cat", 10.0)
     release = f"'/my clone/giraff' estop reset --robot {ROBOT} --connect 192.168.1.20"
     assert (code, text) == (0, f"{ROBOT}: STOPPED, latch 7; it stays so until `{release}`")
-    assert [request for request, _ in asked] == [EStopEngage(by="me", reason="a cat")]
+    assert [request for request, _ in asked] == [EStopEngage(by="me", reason=Trouble("a cat"))]
     assert network.clock.monotonic() < 0.1
 
 
@@ -130,9 +133,9 @@ def test_a_stop_that_nobody_confirms_is_no_stop(network: Network) -> None:
     ("answer", "code", "told"),
     [
         (None, 2, "NOT CONFIRMED after 1 s: nobody answered"),
-        (EStopAnswer(done=False, engaged=False, id=0, reason="no"), 2, "answers that it has not stopped: no; use the"),
-        (EStopAnswer(done=True, engaged=False, id=0, reason=""), 2, "NOT CONFIRMED"),
-        (msgspec.structs.replace(DONE, done=False, reason="disk full"), 1, "STOPPED, latch 7, but not for sure"),
+        (REFUSED, 2, "answers that it has not stopped: no; use the"),
+        (EStopAnswer(done=True, engaged=False, id=0), 2, "NOT CONFIRMED"),
+        (FULL, 1, "STOPPED, latch 7, but not for sure"),
         (
             msgspec.structs.replace(DONE, id=8),
             2,
@@ -166,14 +169,13 @@ def test_a_stop_that_one_of_two_bases_confirms_is_none_until_the_other_has_confi
         with network.session.declare_token(alive_key(ROBOT, "base", "other")):
             told.append(engage(network.connection, "me", "", 1.0))
             it.engage_all(network.connection, WISH, 1.0, (), told.append)
-            full = msgspec.structs.replace(DONE, done=False, reason="disk full", instance="other")
+            full = msgspec.structs.replace(FULL, instance="other")
             with network.base(lambda _: full, instance="other"):
                 assert engage(network.connection, "me", "", 1.0).code == 1
             with network.base(lambda _: msgspec.structs.replace(DONE, instance="other"), instance="other"):
                 assert engage(network.connection, "me", "", 1.0).code == 0
         assert engage(network.connection, "me", "", 1.0).code == 0
-    full = msgspec.structs.replace(DONE, done=False, reason="disk full")
-    with network.base(lambda _: full):
+    with network.base(lambda _: FULL):
         late = network.session.declare_token(alive_key(ROBOT, "base", "other"))
         network.clock.after(0.5, late.__enter__)
         told.append(engage(network.connection, "me", "", 1.0))
@@ -203,8 +205,7 @@ def test_at_several_addresses_each_is_asked_for_itself_whatever_a_page_says(
 
 def test_of_a_flood_of_names_the_first_are_told_and_those_that_answer_before_the_others(network: Network) -> None:
     told: list[it.Result] = []
-    refused = EStopAnswer(done=False, engaged=False, id=0, reason="no")
-    with ExitStack() as declared, network.base(lambda _: refused):
+    with ExitStack() as declared, network.base(lambda _: REFUSED):
         for name in (ROBOT, *(f"r{number}" for number in range(49))):
             declared.enter_context(network.session.declare_token(alive_key(name, "base", "b")))
         network.connection.robot = ""
@@ -220,12 +221,12 @@ ODD = "\x1b[2J\udcc3\nfalse: \x9b1m"
 
 
 def test_a_name_and_a_reason_stop_no_stop_and_steer_no_terminal(network: Network) -> None:
-    odd = msgspec.structs.replace(LATCHED, by="\x1b[2J", reason="\x9b1m\nsim-estop: released\u202e")
+    odd = msgspec.structs.replace(LATCHED, by="\x1b[2J", reason=Trouble("\x9b1m\nsim-estop: released\u202e"))
     with network.base(state=odd) as asked:
         assert engage(network.connection, ODD, ODD, 10.0).code == 0
         code, text, *_ = status(network.connection, 10.0)
         refused = reset(network.connection, "me", 10.0)
-    assert asked[0][0] == EStopEngage(by="?[2J??false: ?1m", reason="?[2J??false: ?1m")
+    assert asked[0][0] == EStopEngage(by="?[2J??false: ?1m", reason=Trouble("?[2J??false: ?1m"))
     assert (code, text) == (1, f"{ROBOT}: ENGAGED, latch 7, by ?[2J: ?1m?sim-estop: released?")
     assert refused.text.isprintable()
 
@@ -236,8 +237,7 @@ def test_a_robot_that_may_be_another_is_asked_and_never_called_the_right_one(net
         told = [engage(network.connection, "me", "", 10.0, doubt=doubt)]
         assert it.engage_all(network.connection, WISH, 10.0, (), told.append, doubt=doubt) == 2
     assert [each[:2] for each in told] == [(2, f"a robot called {ROBOT} at an unknown host has stopped; {doubt}")] * 2
-    full = msgspec.structs.replace(DONE, done=False, reason="disk full")
-    with network.base(lambda _: full), network.session.declare_token(alive_key(ROBOT, "base", "b")):
+    with network.base(lambda _: FULL), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told = [engage(network.connection, "me", "", 1.0, doubt=doubt)]
         assert it.engage_all(network.connection, WISH, 1.0, (), told.append, doubt=doubt) == 2
     assert [each[:2] for each in told] == [(2, f"a robot called {ROBOT} at an unknown host has stopped; {doubt}")] * 2
@@ -315,7 +315,7 @@ def test_robots_of_one_name_behind_two_doors_are_both_asked(
 
 
 def cleared(request: Any) -> EStopAnswer:
-    return EStopAnswer(done=True, engaged=False, id=request.id, reason="")
+    return EStopAnswer(done=True, engaged=False, id=request.id)
 
 
 def test_a_reset_names_the_latch_it_clears_and_carries_a_fresh_tick(network: Network) -> None:
@@ -339,7 +339,7 @@ def test_a_reset_of_off_says_that_the_robot_must_be_held(network: Network) -> No
 
 @pytest.mark.parametrize("engaged", [True, False])
 def test_a_reset_that_base_refuses_is_told_with_its_reason(network: Network, engaged: bool) -> None:
-    with network.base(lambda _: EStopAnswer(done=False, engaged=engaged, id=9, reason="another latch")):
+    with network.base(lambda _: EStopAnswer(done=False, engaged=engaged, id=9, reason=Trouble("another latch"))):
         code, text, *_ = reset(network.connection, "me", 10.0)
     assert (code, text) == (1, f"STILL ENGAGED, latch 7 of {ROBOT}, engaged by ann@desk: smoke: another latch")
 

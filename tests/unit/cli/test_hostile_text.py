@@ -17,6 +17,7 @@ from giraff_node.network.consent import tell
 from giraff_node.process.logs import service_logger
 from giraff_schemas.messages import EStop
 from giraff_schemas.text import printable
+from giraff_schemas.trouble import Trouble
 from giraff_telemetry.console import CleanConsole
 
 HOSTILE = "\x1b]0;owned\x07\x1b[2J\x9b1m\r\x7f\u202eé"
@@ -70,5 +71,5 @@ def test_a_log_line_is_clean_on_a_terminal_and_in_a_file(
 def test_what_a_command_and_a_script_say_is_clean(capsys: pytest.CaptureFixture[str]) -> None:
     tell(HOSTILE)
     assert capsys.readouterr().err == f"giraff: {CLEAN}\n"
-    error = EmergencyStopError(EStop(engaged=True, id=1, by=HOSTILE, reason=HOSTILE))
+    error = EmergencyStopError(EStop(engaged=True, id=1, by=HOSTILE, reason=Trouble(HOSTILE)))
     assert str(error).count(CLEAN) == 2

@@ -32,6 +32,7 @@ from giraff_node.network.consent import NoRobotError
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, alive_key, key_of
+from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.quiet_network import meet
@@ -161,7 +162,7 @@ TOKEN = alive_key(NAME, "localization", "1")
 
 
 def test_it_is_told_where_the_robot_is(network: Network) -> None:
-    network.answer(LocalizationAnswer(done=True, reason=""))
+    network.answer(LocalizationAnswer(done=True))
     with network.session.declare_token(TOKEN):
         code, text = ask(network.connection, HERE, 3.0)
         assert (code, text.partition(";")[0]) == (
@@ -176,7 +177,7 @@ def test_it_is_told_where_the_robot_is(network: Network) -> None:
 
 
 def test_its_refusal_is_told_with_the_reason(network: Network) -> None:
-    network.answer(LocalizationAnswer(done=False, reason="that is in a wall"))
+    network.answer(LocalizationAnswer(done=False, reason=Trouble("that is in a wall")))
     with network.session.declare_token(TOKEN):
         assert ask(network.connection, HERE, 3.0) == (1, "localization of sim-here refuses: that is in a wall")
 

@@ -20,6 +20,7 @@ from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, LocalizationState, MapPose
 from giraff_schemas.messages import Odometry, Range, Sample, TruePose
 from giraff_schemas.topics import BASE, ODOM, RANGE, TRUE_POSE, Topic, key_of
+from giraff_schemas.trouble import Trouble
 from giraff_sim.world.room import Pose as Start
 from giraff_sim.world.room import Room, read_room
 from tests.rules.repository import ROOT
@@ -52,7 +53,7 @@ class Follower:
 
     def on_set_pose(self, request: LocalizationSetPose) -> LocalizationAnswer:
         self.told = request
-        return LocalizationAnswer(done=not self.refuses, reason=self.refuses)
+        return LocalizationAnswer(done=not self.refuses, reason=Trouble(self.refuses))
 
     def work(self) -> bool:
         self._left = max(0, self._left - 1)

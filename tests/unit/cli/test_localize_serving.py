@@ -22,6 +22,7 @@ from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
 from giraff_schemas.topics import POSE, alive_key, key_of
+from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 from tests.support.robots import ROBOT
 from tests.unit.cli.map_poses import map_pose
@@ -135,7 +136,7 @@ def shown(here: Here, node: Node, place: Pose | None = HERE, seconds: float | No
 
 
 def test_a_place_is_told_once_and_not_before_the_map_is_read_and_odometry_heard(here: Here) -> None:
-    node = Node(LocalizationAnswer(done=True, reason=""))
+    node = Node(LocalizationAnswer(done=True))
     it = shown(here, node)
     for pose in (map_pose(None, state="no_map"), map_pose(5, state="no_map"), map_pose(None, state="lost")):
         here.say(pose)
@@ -152,7 +153,7 @@ def test_a_place_is_told_once_and_not_before_the_map_is_read_and_odometry_heard(
 
 
 def test_a_place_that_is_refused_ends_it(here: Here) -> None:
-    node = Node(LocalizationAnswer(done=False, reason="that is in a wall"))
+    node = Node(LocalizationAnswer(done=False, reason=Trouble("that is in a wall")))
     it = shown(here, node)
     for count in range(4):
         here.say(map_pose(count, state="lost"))
@@ -162,7 +163,7 @@ def test_a_place_that_is_refused_ends_it(here: Here) -> None:
 
 
 def test_it_ends_with_its_time_and_with_its_reader(here: Here) -> None:
-    node = Node(LocalizationAnswer(done=True, reason=""))
+    node = Node(LocalizationAnswer(done=True))
     it = shown(here, node, None, 3.0)
     it.turn(2.9)
     assert node.left == 0

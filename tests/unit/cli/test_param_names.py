@@ -26,7 +26,7 @@ def answer(service: str) -> ParamAnswer:
         Param(name=name, value=value, filed=value, saved=True, kind="", live="free", doc="")
         for name, value in VALUES[service].items()
     )
-    return ParamAnswer(service=service, instance="one", host="pc", done=True, reason="", params=params)
+    return ParamAnswer(service=service, instance="one", host="pc", done=True, params=params)
 
 
 @pytest.mark.parametrize(

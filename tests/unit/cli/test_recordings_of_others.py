@@ -39,7 +39,7 @@ NO_JSON: Final = {
     "no JSON": b"hello",
     "no text": b'{"x": "\xff"}',
 }
-ANSWER: Final = ParamAnswer(service="base", instance="i-1", host="", done=True, reason="", params=())
+ANSWER: Final = ParamAnswer(service="base", instance="i-1", host="", done=True, params=())
 NO_KEYS: Final = ("giraff/sim-test//camera", "/camera/image", "giraff/sim-test/**")
 
 

@@ -16,13 +16,14 @@ from giraff_cli.run.telemetry import RunTelemetry
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, LocalizationState
+from giraff_schemas.trouble import Trouble
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import MS, START, Network, ten_seconds, truth
 from tests.unit.cli.test_shown import FRAME, SECOND, rendered
 
 NOW_NS = 10_000 * MS
-THERE = LocalizationAnswer(done=True, reason="")
-IN_A_WALL = LocalizationAnswer(done=False, reason="in a wall")
+THERE = LocalizationAnswer(done=True)
+IN_A_WALL = LocalizationAnswer(done=False, reason=Trouble("in a wall"))
 
 
 class Looks:

@@ -82,7 +82,7 @@ def test_the_view_tells_all_of_it_on_80_by_24() -> None:
         r"front right +clear ·+",
         r"rear +fault ·+",
         r"state +driving +24\.3 V",
-        r"forward +0\.30 m/s +slow +1\.23 m ahead · turn away",
+        r"forward +0\.30 m/s +slow +1\.23 m ahead; turn away",
         r"turn right +1\.00 rad/s +free",
         r"passes +0\.40 m/s +-0\.20 rad/s +joystick",
         r"command +31 ms, p99 31, most 31",
@@ -190,7 +190,7 @@ def test_a_wider_terminal_shows_more_of_the_reasons() -> None:
     long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 60, way_out="w" * 20)
     Network(telemetry).send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
     shown = "\n".join(rendered(telemetry.snapshot(10 * SECOND), width=120))
-    assert "r" * 60 + " · " + "w" * 20 in shown
+    assert "r" * 60 + "; " + "w" * 20 in shown
 
 
 def test_an_emergency_stop_and_a_latch_show() -> None:

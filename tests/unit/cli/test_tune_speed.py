@@ -133,12 +133,12 @@ class Desk:
             Param(name=name, value=value, filed=value, saved=True, kind="", live="fixed", doc="")
             for name, value in values.items()
         )
-        answer = ParamAnswer(service="base", instance="1", host="desk", done=True, reason="", params=params)
+        answer = ParamAnswer(service="base", instance="1", host="desk", done=True, params=params)
         return 0.02, encode(answer)
 
     def _lease(self) -> None:
         counter = self.next_lease if self.clock.monotonic() > self._began + 6.5 else 5
-        self.motion.say(LEASE, Lease(holder="m" if counter else "", operator="motion", counter=counter, reason=""))
+        self.motion.say(LEASE, Lease(holder="m" if counter else "", operator="motion", counter=counter))
 
 
 @pytest.fixture

@@ -32,7 +32,6 @@ ANSWER = ParamAnswer(
     instance="1",
     host="pi",
     done=True,
-    reason="",
     params=tuple(
         Param(name=f"robot.{name}", value=value, filed=value, saved=True, kind="", live="fixed", doc="")
         for name, value in msgspec.to_builtins(OWN).items()

@@ -27,11 +27,10 @@ def drive_seen(last: str = "", maker: str = "m") -> RunTelemetry:
         network.send(topics.ODOM, odometry(ms * MS, 1.02 * x), ms * MS)
         shot = ms - 500
         if 5050 <= shot <= 10_000 and shot % 50 == 0:
-            reason = {50: "dark; light a fire", 100: "covered; light a fire", 0: last}.get(shot % 1000, "")
+            reason = {50: "dark", 100: "covered", 0: last}.get(shot % 1000, "")
             now, began = (maker, 5550) if shot > 5500 and maker != "m" else ("m", 5050)
-            told = seen(shot * MS, 1.01 * 0.4e-3 * (shot - began), reason, 0.1)
-            sample = msgspec.structs.replace(told, remedy="light a fire")
-            network.send(topics.VISUAL_ODOM, sample, ms * MS, maker=now)
+            told = seen(shot * MS, 1.01 * 0.4e-3 * (shot - began), reason, 0.1, "light a fire")
+            network.send(topics.VISUAL_ODOM, told, ms * MS, maker=now)
         if ms and ms % 200 == 0:
             telemetry.see(truth(ms * MS, x=x, speed=0.4))
     return telemetry
@@ -73,7 +72,7 @@ camera measures  90.9% of 99 pictures, all but 0.10 m of the way; else
 
 def test_the_last_row_and_the_line_tell_whether_the_camera_sees_it_move() -> None:
     frame = replace(FRAME, vision="alive", look="see by it: giraff camera view")
-    snapshot = drive_seen("dark; light a fire").snapshot(END * MS)
+    snapshot = drive_seen("dark").snapshot(END * MS)
     assert rendered(snapshot, frame)[-1].rstrip() == "VISION  dark  see by it: giraff camera view"
     assert rendered(snapshot, replace(frame, vision="ended"))[-1].startswith("VISION  ended  see by it")
     assert line(drive_seen().snapshot(END * MS), 0.0).endswith(" | camera measures")

@@ -15,6 +15,7 @@ from giraff_cli.watch.screen import WatchView, missing
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
+from giraff_schemas.trouble import WELL
 from giraff_telemetry.collector import Telemetry
 from giraff_telemetry.describe import limit_text, moving
 from tests.unit.cli.map_poses import map_pose
@@ -80,7 +81,7 @@ def test_the_view_tells_all_of_it_on_80_by_24() -> None:
         r"front left +1\.23 m █+·+ +5\.6 +state +driving +24\.3 V",
         r"front right +clear ·+",
         r"rear +fault ·+ +5\.6 +e-stop +released",
-        r"forward +0\.30 m/s +slow +1\.23 m ahead · turn away",
+        r"forward +0\.30 m/s +slow +1\.23 m ahead; turn away",
         r"turn right +1\.00 rad/s +free",
         r"TOPICS +0 lost +Hz +age s",
         r"odom +100\.0 +0\.00",
@@ -94,7 +95,7 @@ def test_the_line_is_one_line_with_all_an_operator_needs() -> None:
     shown = view(heard()).line()
     assert shown == (
         "  12.3 s | path   4.00 m |  0.40 m/s  0.00 rad/s | ranges 1.23 m  clear  fault | forward slow (front_left)"
-        " | holder joystick | base driving | 24.3 V | 1.23 m ahead"
+        " | holder joystick | base driving | 24.3 V | 1.23 m ahead; turn away"
     )
 
 
@@ -258,10 +259,10 @@ def test_the_report_has_the_names_that_are_promised() -> None:
     }
     assert (told["robot"], told["elapsed"], told["silence"]) == ("giraff", 12.34, 0.0)
     assert (told["path"], told["speed"], told["turn"], told["state"]) == (4.0, 0.4, 0.0, "driving")
-    assert told["why"] == "1.23 m ahead"
+    assert told["why"] == "1.23 m ahead; turn away"
     assert told["ranges"]["front_left"]["range"] == 1.23
     assert told["ranges"]["rear"]["state"] == "fault"
-    assert told["guard"]["forward"]["way_out"] == "turn away"
+    assert told["guard"]["forward"]["reason"] == {"what": "1.23 m ahead", "remedy": "turn away"}
     assert (told["lease"]["operator"], told["battery"]["voltage"]) == ("joystick", 24.3)
     assert told["base"]["age"] == 0.0
     assert told["topics"]["odom"] == {"hz": 100.0, "lost": 0, "age": 0.0}
@@ -278,8 +279,8 @@ def test_what_limits_is_told_whole_with_its_way_out() -> None:
     telemetry = heard()
     network = Network(telemetry)
     near = verdict(0.0, "blocked", "front_left", "front_left sees something at 0.31 m", "turn left or back up")
-    assert limit_text(telemetry.snapshot(NOW)) == "1.23 m ahead"
-    network.send(topics.GUARD, msgspec.structs.replace(guard(near), reason=""), NOW, maker="n")
+    assert limit_text(telemetry.snapshot(NOW)) == "1.23 m ahead; turn away"
+    network.send(topics.GUARD, msgspec.structs.replace(guard(near), reason=WELL), NOW, maker="n")
     told = "forward blocked: front_left sees something at 0.31 m; turn left or back up"
     assert limit_text(telemetry.snapshot(NOW)) == told
     assert f"WHY  {told}" in "\n".join(drawn(view(telemetry)))

@@ -14,6 +14,7 @@ from giraff_core.network import NetworkConfig
 from giraff_schemas.codec import encode
 from giraff_schemas.health import Health
 from giraff_schemas.topics import alive_key, health_key
+from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 
 ROBOT = "sim-why"
@@ -41,7 +42,7 @@ class Network:
 
     def begin(self, service: str) -> None:
         def answer(_: bytes) -> tuple[float, bytes] | None:
-            faults = self.faults.get(service, ())
+            faults = tuple(map(Trouble, self.faults.get(service, ())))
             health = Health(
                 service=service, instance=service, host="h", pid=1, uptime=1.0, ok=not faults, faults=faults
             )

@@ -67,7 +67,7 @@ class Network:
         if self.clock.monotonic() - self._heard_at > 1.0:
             self.holder = ""
         operator = "script" if self.holder else ""
-        lease = Lease(operator=operator, holder=self.holder, counter=5, reason="" if self.holder else "nobody drives")
+        lease = Lease(operator=operator, holder=self.holder, counter=5 if self.holder else 0)
         self.motion.say(LEASE, lease)
         self.motion.say(BASE, samples.base())
 

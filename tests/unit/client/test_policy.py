@@ -16,6 +16,7 @@ from giraff_client import (
 from giraff_client.policy import OperatorPolicy
 from giraff_core.operator import LINK_SILENCE
 from giraff_schemas.messages import DriveCommand, Lease, Tick
+from giraff_schemas.trouble import Trouble
 from tests.unit.cli import samples
 
 ME, EPOCH, COUNTER = "me", 7, 41
@@ -42,7 +43,9 @@ class Script:
     def lease(self, holder: str, operator: str) -> None:
         self._seq += 1
         counter = COUNTER if holder else 0
-        lease = Lease(seq=self._seq, holder=holder, operator=operator, counter=counter, reason=f"held by {operator}")
+        lease = Lease(
+            seq=self._seq, holder=holder, operator=operator, counter=counter, reason=Trouble(f"held by {operator}")
+        )
         self.policy.take(lease, self.now)
 
     def base(self, *, armed: bool) -> None:
@@ -171,7 +174,7 @@ def test_its_last_word_disarms_and_names_why(script: Script) -> None:
     script.arm()
     last = script.policy.final_command()
     assert (last.source, last.neutral, last.lease_counter) == ("fault", True, COUNTER)
-    assert "script service has ended" in last.reason
+    assert "script service has ended" in str(last.reason)
 
 
 def test_it_says_why_it_was_not_armed_in_time(script: Script) -> None:

@@ -38,14 +38,14 @@ def test_one_that_was_never_heard_is_a_fault_and_never_left_out() -> None:
     assert ranges["rear"].range == 1.2
     missing = ranges["front_right"]
     assert (missing.sensor, missing.state, missing.range) == ("front_right", "fault", None)
-    assert missing.reason.startswith("range/front_right was never heard; check that giraff_ranger runs")
+    assert str(missing.reason).startswith("range/front_right was never heard; check that giraff_ranger runs")
 
 
 def test_one_that_has_fallen_silent_is_a_fault() -> None:
     assert ranges_of(heard("rear", ago=1.0), NOW)["rear"].state == "echo"
     silent = ranges_of(heard("rear", ago=1.1), NOW)["rear"]
     assert (silent.state, silent.range, silent.echo_us) == ("fault", None, 0)
-    assert silent.reason.startswith("range/rear is silent for 1.1 s; check giraff_ranger")
+    assert str(silent.reason).startswith("range/rear is silent for 1.1 s; check giraff_ranger")
 
 
 def test_without_the_guard_there_are_those_that_are_heard() -> None:

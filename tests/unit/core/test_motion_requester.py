@@ -17,10 +17,11 @@ from giraff_core.operator import LINK_SILENCE
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.motion import NOWHERE, MotionAnswer, MotionHold, MotionState, Move
+from giraff_schemas.trouble import Trouble
 from tests.support.motion_double import BLOCKED, motion_state
 
 WISH = 5
-YES = MotionAnswer(accepted=True, reason="")
+YES = MotionAnswer(accepted=True)
 STEP = 0.01
 
 
@@ -200,7 +201,7 @@ def test_a_refusal_is_its_end_and_nothing_has_moved(line: Line) -> None:
     line.speaks = False
     line.run(0.1)
     line.it.ask(line.now, [Move(distance=1.0)])
-    line.it.on_answer(MotionAnswer(accepted=False, reason="held by joystick"), line.now)
+    line.it.on_answer(MotionAnswer(accepted=False, reason=Trouble("held by joystick")), line.now)
     line.it.on_answer(YES, line.now)
     assert line.run(1.0) == MotionResult(outcome="refused", begun=False, reason="held by joystick")
 
@@ -224,7 +225,7 @@ def test_an_answer_that_is_lost_is_no_matter_where_the_motion_is_heard(line: Lin
     line.it.ask(line.now, [Move(distance=1.0)])
     line.speaks = True
     assert line.run(2.0 * ANSWERS_WITHIN) is None
-    line.it.on_answer(MotionAnswer(accepted=False, reason="it is too old"), line.now)
+    line.it.on_answer(MotionAnswer(accepted=False, reason=Trouble("it is too old")), line.now)
     assert line.run(1.0) is None
 
 

@@ -22,7 +22,9 @@ def heard(operator: Operator, ns: int, now: float) -> RobotTime:
 
 
 def leased(holder: str, counter: int, seq: int = 0) -> Lease:
-    return Lease(seq=seq, instance="guard", holder=holder, operator="hand", counter=counter, reason="held by another")
+    return Lease(
+        seq=seq, instance="guard", holder=holder, operator="hand", counter=counter, reason=Trouble("held by another")
+    )
 
 
 @pytest.fixture
@@ -149,6 +151,6 @@ def test_a_service_says_what_its_hand_asks_and_tells_why_it_is_not_obeyed() -> N
     service.turn(0.2)
     service.end()
     fault, last = room.said[1:]
-    assert (fault.source, fault.reason, fault.remedy) == ("fault", "it is jammed; oil it", "oil it")
+    assert (fault.source, fault.reason) == ("fault", lever.fault)
     assert room.told["hand"] == lever.fault
-    assert (last.source, last.linear_x, last.tick, last.remedy) == ("fault", 0.0, lever.moved, "start it again")
+    assert (last.source, last.linear_x, last.tick, last.reason.remedy) == ("fault", 0.0, lever.moved, "start it again")

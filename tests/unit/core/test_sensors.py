@@ -41,7 +41,7 @@ def test_other_types_have_tables_of_their_own_and_an_unknown_one_is_passed_over(
 
 
 def test_a_robot_file_without_sensors_is_one_of_a_robot_without_any(tmp_path: Path) -> None:
-    assert robot(tmp_path, "").sensor_names == ()
+    assert robot(tmp_path, "").sensor_types == {}
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from giraff_core.live import Live
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime, Source
+from giraff_schemas.trouble import Trouble
 
 EPOCH = 7
 FIRST = 1000
@@ -54,7 +55,7 @@ class Room:
             linear_x=linear,
             angular_z=0.0,
             source=source,
-            reason="the hand is lost" if source == "fault" else "",
+            reason=Trouble("the hand is lost" if source == "fault" else ""),
             tick=self.ago(age, epoch) if math.isfinite(age) else None,
         )
         self.authority.on_command(command, self.now)

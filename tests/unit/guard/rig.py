@@ -21,6 +21,7 @@ from giraff_schemas.messages import (
     Tick,
     Wheels,
 )
+from giraff_schemas.trouble import Trouble
 from tests.support import robots
 
 FRONT = ("front_left", "front_right")
@@ -96,7 +97,7 @@ class Rig:
                     state="fault" if fault else "clear" if measured is None else "echo",
                     range=measured,
                     echo_us=round((measured or 0.0) * 5800),
-                    reason=fault,
+                    reason=Trouble(fault),
                     tick=self.ago(age) if tick is None else tick,
                 ),
                 self.robot_ns,
@@ -138,7 +139,7 @@ class Rig:
             linear_x=linear,
             angular_z=angular,
             source=source,
-            reason=reason,
+            reason=Trouble(reason),
             tick=self.ago(age) if tick is None else tick,
         )
         self.hurries = self.guard.on_command(command, self.robot_ns)

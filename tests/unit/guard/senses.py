@@ -148,7 +148,7 @@ class Senses:
                 state="fault" if fault else "clear" if measured is None else "echo",
                 range=measured,
                 echo_us=pulse if echo_us is None else echo_us,
-                reason=fault,
+                reason=Trouble(fault),
                 tick=self.ago(age) if tick is None else tick,
             )
             self.obstacles.on_sensed(reading, self.now)

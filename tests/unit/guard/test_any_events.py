@@ -21,10 +21,10 @@ def check_verdicts(state: GuardState) -> None:
     for verdict in (state.forward, state.backward, state.turn_left, state.turn_right):
         assert verdict.allowed >= 0.0
         assert (verdict.freedom == "blocked") == (verdict.allowed == 0.0)
-        assert (verdict.freedom == "free") == (verdict.reason == "")
+        assert (verdict.freedom == "free") == (str(verdict.reason) == "")
         if verdict.freedom == "blocked":
             assert verdict.sensor
-            assert verdict.way_out
+            assert verdict.reason.remedy
 
 
 AGES_MS = st.integers(-100, 600)

@@ -43,8 +43,8 @@ def test_a_push_stops_its_way_at_once_and_no_other() -> None:
     assert bump(senses, pressed=True), "it cannot wait for the next decision"
     judged = senses.verdict()
     assert (judged.freedom, judged.sensor, judged.allowed) == ("blocked", "front", 0.0)
-    assert judged.reason == "front is pushed: something touches it, or its wire is cut"
-    assert judged.way_out == "turn or back up"
+    assert judged.reason.what == "front is pushed: something touches it, or its wire is cut"
+    assert judged.reason.remedy == "turn or back up"
     assert (senses.allowed("backward"), senses.allowed("turn_left")) == (0.6, ROBOT.max_angular_speed)
     assert senses.passes(0.5, 0.0) == (0.0, 0.0)
 
@@ -53,7 +53,7 @@ def test_its_way_stays_blocked_until_the_robot_has_backed_away() -> None:
     senses = driving()
     drive_on(senses, 0.0, 0.1, pressed=True)
     drive_on(senses, 0.0, 0.3)
-    assert "was pushed here" in senses.verdict().reason
+    assert "was pushed here" in str(senses.verdict().reason)
     drive_on(senses, 0.2, 0.9)  # pushed along by hand: nearer is not away
     drive_on(senses, -0.2, 1.8)
     assert senses.verdict().freedom == "blocked"
@@ -103,7 +103,7 @@ def test_where_it_was_pushed_is_not_known_while_the_wheels_are_not_heard() -> No
         senses.hear(None)
     senses.asked = (0.0, 0.0)
     drive_on(senses, 0.0, 0.2)
-    assert "was pushed here" in senses.verdict().reason
+    assert "was pushed here" in str(senses.verdict().reason)
 
 
 def test_a_new_epoch_does_not_open_the_way() -> None:
@@ -112,7 +112,7 @@ def test_a_new_epoch_does_not_open_the_way() -> None:
     drive_on(senses, 0.0, 0.1)
     senses.obstacles.forget()
     drive_on(senses, 0.0, 0.3)
-    assert "was pushed here" in senses.verdict().reason
+    assert "was pushed here" in str(senses.verdict().reason)
 
 
 def test_a_sample_of_another_type_under_its_name_says_nothing() -> None:
@@ -132,7 +132,7 @@ def test_one_that_is_not_heard_blocks_its_way(age: float | None, why: str) -> No
         bump(senses, pressed=False, age=age)
     judged = senses.verdict()
     assert (judged.freedom, judged.sensor) == ("blocked", "front")
-    assert why in judged.reason
+    assert why in judged.reason.what
     assert why in str(senses.troubles()["front"])
     assert senses.allowed("backward") == 0.6
 

@@ -19,7 +19,7 @@ def test_before_any_tick_nothing_passes() -> None:
     assert command.neutral
     assert not command.hand_neutral
     assert (command.guard_tick, command.operator, command.source) == (None, "", "fault")
-    assert "start giraff_base" in command.reason
+    assert "start giraff_base" in str(command.reason)
     assert state.reason == command.reason
     assert state.forward.freedom == "blocked"
 
@@ -31,7 +31,7 @@ def test_before_any_operator_nothing_passes() -> None:
     assert command.neutral
     assert not command.hand_neutral
     assert command.source == "fault"
-    assert "start giraff drive" in command.reason
+    assert "start giraff drive" in str(command.reason)
     assert state.operator == ""
 
 
@@ -45,8 +45,8 @@ def test_a_fresh_command_passes_with_all_that_base_judges_it_by() -> None:
     assert command.guard_tick == RobotTime(epoch=EPOCH, robot_ns=rig.robot_ns)
     assert (command.operator, command.operator_tick) == (OPERATOR, asked.tick)
     assert command.lease_counter == FIRST_LEASE
-    assert (command.source, command.hand_neutral, command.reason) == ("hand", False, "")
-    assert (state.operator, state.reason) == (OPERATOR, "")
+    assert (command.source, command.hand_neutral, str(command.reason)) == ("hand", False, "")
+    assert (state.operator, str(state.reason)) == (OPERATOR, "")
 
 
 def test_the_guards_moment_is_the_newest_tick_and_not_now() -> None:
@@ -84,11 +84,11 @@ def test_a_command_counts_to_the_edge_of_its_budget(age: float, passes: bool) ->
     rig.ask(0.5, 0.2, age=age)
     command, _ = rig.decide()
     assert command.neutral is not passes
-    assert (command.reason == "") is passes
+    assert (str(command.reason) == "") is passes
     assert not command.hand_neutral
     if not passes:
-        assert f"{age:.1f} s old" in command.reason
-        assert "check its link" in command.reason
+        assert f"{age:.1f} s old" in str(command.reason)
+        assert "check its link" in str(command.reason)
 
 
 @pytest.mark.parametrize("age", [0.0, 0.5])
@@ -110,7 +110,7 @@ def test_a_command_of_no_known_age_does_not_pass(tick: RobotTime) -> None:
     rig.ask(0.5, tick=tick)
     command, _ = rig.decide()
     assert command.neutral
-    assert "no moment of this robot's clock" in command.reason
+    assert "no moment of this robot's clock" in str(command.reason)
 
 
 def test_a_command_gets_old_while_nothing_comes() -> None:
@@ -135,7 +135,7 @@ def test_a_new_epoch_makes_all_that_was_heard_worthless() -> None:
         assert command.neutral
         assert command.guard_tick == rig.ago(0.0, EPOCH + 1)
         assert command.reason
-        assert "has not been heard yet" in state.forward.reason
+        assert "has not been heard yet" in str(state.forward.reason)
 
 
 def test_base_falling_silent_stops_the_robot_and_is_told() -> None:
@@ -147,7 +147,7 @@ def test_base_falling_silent_stops_the_robot_and_is_told() -> None:
     command, _ = rig.decide()
     assert command.neutral
     assert (command.source, command.hand_neutral) == ("hand", False)
-    assert "start giraff_base" in command.reason
+    assert "start giraff_base" in str(command.reason)
 
 
 def test_an_operators_fault_stops_and_is_told() -> None:
@@ -158,7 +158,7 @@ def test_an_operators_fault_stops_and_is_told() -> None:
     assert command.neutral
     assert command.source == "fault"
     assert not command.hand_neutral
-    assert "the sensor is not running; check its plug" in command.reason
+    assert "the sensor is not running; check its plug" in str(command.reason)
     assert state.reason == command.reason
     rig.ask(0.0, 0.0, source="fault", reason="x")
     assert not rig.decide()[0].hand_neutral
@@ -174,7 +174,7 @@ def test_only_the_holder_of_the_lease_is_obeyed() -> None:
         assert (command.angular_z, command.operator, state.operator) == (0.5, OPERATOR, OPERATOR)
         assert rig.lease is not None
         assert (rig.lease.holder, rig.lease.operator, rig.lease.counter) == (OPERATOR, "joystick", FIRST_LEASE)
-        assert "held by joystick" in rig.lease.reason
+        assert "held by joystick" in str(rig.lease.reason)
         rig.wait(0.02)
 
 
@@ -200,7 +200,7 @@ def test_a_lease_that_ended_is_nobodys() -> None:
     assert rig.lease is not None
     assert (rig.lease.holder, rig.lease.operator, rig.lease.counter) == ("", "", 0)
     assert command.reason == rig.lease.reason
-    assert "joystick was silent for 1 s" in command.reason
+    assert "joystick was silent for 1 s" in str(command.reason)
 
 
 def test_a_hand_over_has_another_lease_and_begins_neutral() -> None:
@@ -247,8 +247,8 @@ def test_a_second_base_stops_the_robot_and_is_named_while_both_speak() -> None:
         assert command.neutral
         assert (command.source, command.hand_neutral, command.operator) == ("fault", False, OPERATOR)
         for text in (command.reason, state.reason, str(rig.guard.fault)):
-            assert f"base-{EPOCH}/" in text
-            assert f"base-{EPOCH + 1}/" in text
+            assert f"base-{EPOCH}/" in str(text)
+            assert f"base-{EPOCH + 1}/" in str(text)
     for _ in range(26):
         rig.wait(0.02)
         rig.hear(FAR)
@@ -281,8 +281,8 @@ def test_a_second_ranger_stops_the_robot_and_is_named_while_both_speak() -> None
         command, state = rig.decide()
         assert command.neutral
         assert command.source == "fault"
-        assert "ranger-2, speaks beside ranger-1" in command.reason
-        assert "ranger-2, speaks beside ranger-1" in state.sensors["rear"]
+        assert "ranger-2, speaks beside ranger-1" in str(command.reason)
+        assert "ranger-2, speaks beside ranger-1" in str(state.sensors["rear"])
     rig.hear(NEAR, ranger="ranger-2")  # not listened to
     assert rig.decide()[1].forward.freedom == "free"
 
@@ -295,7 +295,7 @@ def test_a_restarted_ranger_is_listened_to_and_has_the_robot_armed_anew() -> Non
     rig.ask(0.5)
     command, _ = rig.decide()
     assert (command.neutral, command.source) == (True, "fault")
-    assert "arm again" in command.reason
+    assert "arm again" in str(command.reason)
     rig.look(ranger="ranger-2")
     rig.ask(0.5)
     assert rig.decide()[0].linear_x == 0.5
@@ -330,7 +330,7 @@ def test_an_older_reading_does_not_replace_a_newer_one() -> None:
     rig.hear(FAR, seq=1009)
     rig.hear(FAR, seq=1010)
     assert rig.passes(0.6) == (0.0, 0.0)
-    assert "0.30 m" in rig.decide()[0].reason
+    assert "0.30 m" in str(rig.decide()[0].reason)
 
 
 @pytest.mark.parametrize(("linear", "expected"), [(0.6, 0.15), (-0.6, 0.02), (0.0, None)])

@@ -45,7 +45,6 @@ class Air:
             state="clear",
             range=None,
             echo_us=0,
-            reason="",
             tick=self.ago(age, epoch) if age >= 0.0 else None,
         )
         return self.identity.admits_sensed(reading, self.robot_ns)

@@ -59,7 +59,7 @@ def test_what_may_be_the_floor_is_no_obstacle_and_no_proof() -> None:
     assert heard(leaning(LEAN, floor - 0.01)).echo
     assert heard(leaning(math.radians(2.9), 3.9)).echo, "a robot that hardly leans hears walls far away"
     senses = leaning(LEAN, floor + 0.01)
-    assert "has not proved lately that it hears" in senses.verdict().reason
+    assert "has not proved lately that it hears" in str(senses.verdict().reason)
     assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
 
 
@@ -71,14 +71,14 @@ def test_a_lean_that_is_not_told_any_more_blinds() -> None:
     senses.cycle(3.0, cycles=2)
     judged = senses.verdict()
     assert (judged.freedom, judged.allowed) == ("blocked", 0.0)
-    assert judged.reason.startswith("front_left looks along a body whose lean is not known")
+    assert str(judged.reason).startswith("front_left looks along a body whose lean is not known")
 
 
 def test_the_height_of_a_sensor_on_a_body_that_leans_has_to_be_known() -> None:
     senses = Senses(ROBOT)
     senses.lean(0.0)
     senses.cycle(3.0, cycles=2)
-    assert "its height is not known; set its z" in senses.verdict().reason
+    assert "its height is not known; set its z" in str(senses.verdict().reason)
 
 
 def test_the_lean_is_that_of_the_ping() -> None:
@@ -105,4 +105,4 @@ def test_an_attitude_counts_by_base_alone_and_while_it_is_fresh() -> None:
 def test_a_robot_that_runs_on_is_blind_before_it_tells_its_lean() -> None:
     senses = Senses(TALL, msgspec.structs.replace(CONFIG, run_on=0.12))
     senses.hear(1.0)
-    assert "whose lean is not known" in senses.judge().forward.reason
+    assert "whose lean is not known" in str(senses.judge().forward.reason)

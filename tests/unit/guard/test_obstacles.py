@@ -91,10 +91,10 @@ def check_verdicts(verdicts: Verdicts) -> None:
     for verdict in verdicts[:4]:
         assert verdict.allowed >= 0.0
         assert (verdict.freedom == "blocked") == (verdict.allowed == 0.0)
-        assert (verdict.freedom == "free") == (verdict.reason == "")
+        assert (verdict.freedom == "free") == (str(verdict.reason) == "")
         if verdict.freedom == "blocked":
             assert verdict.sensor
-            assert "turn" in verdict.way_out
+            assert "turn" in verdict.reason.remedy
     assert verdicts.turn_left.allowed >= 0.35, "a trap"
     assert verdicts.turn_right.allowed >= 0.35, "a trap"
 

@@ -53,8 +53,8 @@ def test_it_blocks_the_way_it_lies_in() -> None:
     senses = passed_by()
     judged = senses.verdict()
     assert (judged.freedom, judged.sensor) == ("blocked", "front_left")
-    assert judged.reason == "front_left has heard something to the left, where no sensor looks now"
-    assert "back up" in judged.way_out
+    assert judged.reason.what == "front_left has heard something to the left, where no sensor looks now"
+    assert "back up" in judged.reason.remedy
     assert senses.allowed("backward") == 0.6
 
 
@@ -75,7 +75,7 @@ def test_turning_in_place_sweeps_nothing_but_what_touches_is_turned_past_slowly(
     for way in ("turn_left", "turn_right"):
         judged = senses.verdict(way)
         assert (judged.allowed, judged.freedom, judged.sensor) == (CONFIG.creep_angular, "creep", "front_left")
-        assert "touches" in judged.reason
+        assert "touches" in judged.reason.what
     assert senses.passes(0.0, 1.0) == (0.0, CONFIG.creep_angular)
     assert "turning slowed" in str(senses.limit(0.0, -1.0).reason)
     assert senses.passes(0.0, -0.2) == (0.0, -0.2)
@@ -136,7 +136,7 @@ def test_it_blocks_for_its_time_then_slows_and_then_is_forgotten() -> None:
     assert senses.passes(0.5, 0.0) == (0.0, 0.0)
     senses.cycle({"front_right": FAR}, cycles=round(3.5 / CYCLE))
     assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
-    assert senses.verdict().reason.endswith("to the left, where no sensor looks now")
+    assert str(senses.verdict().reason).endswith("to the left, where no sensor looks now")
     assert senses.passes(0.5, 0.0)[0] == pytest.approx(CONFIG.unproved_linear)
     senses.cycle(FAR, cycles=round((CONFIG.memory_time - CONFIG.memory_block) / CYCLE))
     assert senses.verdict().freedom == "free"
@@ -172,7 +172,7 @@ def test_it_is_forgotten_after_its_way() -> None:
     senses.linear = 0.0
     senses.cycle(None, cycles=8)
     assert first(echoes_of(senses), senses.obstacles._motion.place) is None
-    assert "has not proved lately" in senses.verdict().reason
+    assert "has not proved lately" in str(senses.verdict().reason)
 
 
 def test_a_new_boot_of_the_wheels_board_forgets_it() -> None:

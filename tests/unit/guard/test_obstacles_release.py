@@ -44,7 +44,7 @@ def test_two_contrary_readings_release_to_creep_and_each_further_one_adds_speed(
     senses = stepped_in(sensors, NOT_HELD)
     senses.cycle(dict.fromkeys(sensors, longer), cycles=2)
     allowed = [senses.allowed(way)]
-    assert "speeding up" in senses.verdict(way).reason
+    assert "speeding up" in str(senses.verdict(way).reason)
     for _ in range(6):
         senses.cycle(dict.fromkeys(sensors, longer))
         allowed.append(senses.allowed(way))
@@ -161,15 +161,15 @@ def test_an_echo_lost_that_near_may_touch_the_sensor(distance: float, blocked: b
     if blocked:
         judged = senses.verdict()
         assert judged.sensor == "front_left"
-        assert "lost something nearer than 0.1 m" in judged.reason
-        assert "back up" in judged.way_out
+        assert "lost something nearer than 0.1 m" in judged.reason.what
+        assert "back up" in judged.reason.remedy
 
 
 def test_backing_away_frees_it() -> None:
     senses = lost_at(0.05)
     senses.linear = -0.1
     senses.cycle(None, cycles=7)
-    assert "lost" in senses.verdict().reason
+    assert "lost" in str(senses.verdict().reason)
     senses.cycle(None, cycles=5)
     assert senses.allowed() > 0.0
 

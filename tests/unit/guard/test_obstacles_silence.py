@@ -90,8 +90,8 @@ def test_each_sensor_of_a_way_has_to_prove_itself(sensor: str) -> None:
     judged = senses.verdict()
     assert judged.sensor == sensor
     assert judged.allowed == pytest.approx(SLOW)
-    assert "has not proved lately that it hears" in judged.reason
-    assert str(senses.troubles()[sensor]) == judged.reason
+    assert "has not proved lately that it hears" in judged.reason.what
+    assert str(senses.troubles()[sensor]) == judged.reason.what
     assert senses.verdict("backward").freedom == "free"
 
 
@@ -127,8 +127,8 @@ def test_what_fell_silent_blocks_for_a_moment_and_then_slows(way: str) -> None:
     senses = heard(way=way)
     judged = senses.verdict(way)
     assert judged.freedom == "blocked"
-    assert judged.way_out
-    assert f"silent where {judged.sensor} heard something until lately" in judged.reason
+    assert judged.reason.remedy
+    assert f"silent where {judged.sensor} heard something until lately" in judged.reason.what
     for _ in range(round((CONFIG.held_time - 2.0) / CYCLE)):
         senses.cycle(dict.fromkeys(SIDES[way], None))
         assert senses.allowed(way) <= SLOW
@@ -177,7 +177,7 @@ def test_what_is_so_far_away_is_left_to_the_fading_trust(distance: float) -> Non
     senses = opened(distance=distance)
     senses.linear = 0.25
     senses.cycle(None, cycles=round(1.9 / 0.25 / CYCLE))
-    assert ("heard something until lately" in senses.verdict().reason) is (distance < CONFIG.held_range)
+    assert ("heard something until lately" in str(senses.verdict().reason)) is (distance < CONFIG.held_range)
     sensor = ROBOT.sensors["front_left"]
     assert CONFIG.held_range + sensor.x - ROBOT.footprint_radius > CONFIG.fade_travel
 
@@ -195,8 +195,8 @@ def test_one_silent_sensor_is_enough_whoever_heard_it() -> None:
     judged = senses.verdict()
     assert judged.allowed == pytest.approx(SLOW)
     assert judged.sensor == "front_right"
-    assert judged.reason.startswith("front_right: silent ")
-    assert "front_left heard" in judged.reason
+    assert judged.reason.what.startswith("front_right: silent ")
+    assert "front_left heard" in judged.reason.what
 
 
 def test_a_farther_echo_does_not_end_it() -> None:
@@ -228,7 +228,7 @@ def test_what_a_sensor_that_flickers_has_heard_is_held_as_well(lost: int) -> Non
     senses = flickering(lost)
     senses.cycle(dict.fromkeys(FRONT, None), cycles=8)
     assert senses.allowed() == pytest.approx(SLOW)
-    assert "until lately" in senses.verdict().reason
+    assert "until lately" in str(senses.verdict().reason)
 
 
 def test_one_echo_is_not_held() -> None:
@@ -316,7 +316,7 @@ def test_what_it_comes_to_beside_slows_it_in_time() -> None:
     allowed = senses.allowed()
     assert stopping_distance(allowed, 0.1, 0.2) == pytest.approx(x - math.sqrt(reach**2 - y**2), abs=0.02)
     assert SLOW < allowed < FULL
-    assert "silent beside where" in senses.verdict().reason
+    assert "silent beside where" in str(senses.verdict().reason)
 
 
 def test_along_a_wall_that_was_heard_the_robot_is_slow() -> None:
@@ -326,7 +326,7 @@ def test_along_a_wall_that_was_heard_the_robot_is_slow() -> None:
     senses.angular = 0.0
     judged = senses.verdict()
     assert judged.allowed == pytest.approx(SLOW)
-    assert "silent beside where" in judged.reason
+    assert "silent beside where" in judged.reason.what
 
 
 def test_what_was_heard_now_and_then_counts_ahead_and_not_beside() -> None:
@@ -350,7 +350,7 @@ def test_beside_what_was_heard_now_and_then_the_way_is_free() -> None:
     senses.angular = -1.0
     senses.cycle(None, cycles=8)
     senses.angular = 0.0
-    assert "until lately" not in senses.verdict().reason
+    assert "until lately" not in str(senses.verdict().reason)
 
 
 def test_of_two_the_nearer_is_met_first() -> None:

@@ -95,7 +95,7 @@ def test_the_policy_hands_it_to_the_authority() -> None:
     guarded.live.replace(msgspec.structs.replace(CONFIG, operator_budget=0.2))
     command, _ = guarded.decide()
     assert command.linear_x == 0.0
-    assert "no fresh command" in command.reason
+    assert "no fresh command" in str(command.reason)
 
 
 def test_what_is_tightened_outlasts_a_new_epoch() -> None:
@@ -123,6 +123,6 @@ def test_what_fell_silent_may_stand_farther_beside_its_spot() -> None:
     senses.cycle(None, cycles=8)
     senses.angular = 0.0
     tightened(senses, held_beside=0.01)
-    assert "beside" not in senses.verdict().reason
+    assert "beside" not in str(senses.verdict().reason)
     tightened(senses, held_beside=0.6)
-    assert "beside" in senses.verdict().reason
+    assert "beside" in str(senses.verdict().reason)

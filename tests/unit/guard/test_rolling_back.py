@@ -37,8 +37,12 @@ def test_an_echo_behind_blocks_the_way_ahead_and_a_silence_does_not(behind: floa
     judged = senses.verdict()
     assert judged.freedom == freedom
     if behind is not None and freedom == "blocked":
-        assert judged.reason == "rear sees something at 0.28 m, and the robot would first roll back towards it"
-        assert (judged.sensor, judged.way_out, senses.allowed("turn_left")) == ("rear", "turn", ROBOT.max_angular_speed)
+        assert judged.reason.what == "rear sees something at 0.28 m, and the robot would first roll back towards it"
+        assert (judged.sensor, judged.reason.remedy, senses.allowed("turn_left")) == (
+            "rear",
+            "turn",
+            ROBOT.max_angular_speed,
+        )
     senses.live.replace(CONFIG)
     assert senses.allowed() > 0.0, "on wheels it does not roll back"
 
@@ -57,7 +61,7 @@ def test_a_bumper_that_is_pushed_behind_blocks_and_one_that_is_not_heard_creeps(
     for pressed, allowed in ((False, ROBOT.max_wheel_speed), (True, 0.0)):
         senses.obstacles.on_sensed(Bump(sensor="back", pressed=pressed, tick=senses.now), senses.now)
         assert senses.allowed() == allowed
-    assert "rolls the robot back first" in senses.verdict().reason
+    assert "rolls the robot back first" in str(senses.verdict().reason)
 
 
 def test_the_way_opens_again_where_there_is_a_little_more_room_behind() -> None:
@@ -78,6 +82,6 @@ def test_a_robot_too_fast_to_stop_with_its_run_on_brakes() -> None:
     senses.cycle({"front_left": 0.58, "front_right": 0.58}, cycles=3)
     senses.linear = 0.3
     senses.report()
-    assert senses.verdict().reason.endswith("braking")
+    assert senses.verdict().reason.what.endswith("braking")
     senses.live.replace(msgspec.structs.replace(BALANCER, run_on=0.0))
-    assert not senses.verdict().reason.endswith("braking")
+    assert not senses.verdict().reason.what.endswith("braking")

@@ -26,9 +26,7 @@ def asked(x: float, y: float, z: float, curve: Curve) -> DriveCommand:
     """What the curve makes of a reading; everything else about the command is left out."""
     tilt = reading(tilt_frame(x, y, z))
     linear, angular = curves.asked((tilt.x, tilt.y, tilt.z), CONFIGS[curve], ROBOT)
-    return DriveCommand(
-        operator="", lease_counter=0, linear_x=linear, angular_z=angular, source="hand", reason="", tick=None
-    )
+    return DriveCommand(operator="", lease_counter=0, linear_x=linear, angular_z=angular, source="hand", tick=None)
 
 
 def levels(command: DriveCommand) -> tuple[float, float]:

@@ -64,5 +64,5 @@ def test_what_is_no_hand_is_told_alike_however_the_sensor_sits() -> None:
             joystick.on_frame(frame, 10.0 + number * 0.02)
         one, other = (said(joystick, 10.0 + number * 0.02).reason for joystick in (upright, askew))
         assert one == other
-        told.add(one.partition(";")[0])
+        told.add(str(one).partition(";")[0])
     assert {"the tilt sensor repeats one reading", "the joystick lies tilted and nobody holds it"} < told

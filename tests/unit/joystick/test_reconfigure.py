@@ -36,4 +36,4 @@ def test_a_hand_that_must_move_more() -> None:
     live.replace(msgspec.structs.replace(ANGLE, stillness=0.5))
     command = held(joystick, 3.0, 0.1, 30.0)
     assert command.source == "fault"
-    assert "nobody holds it" in command.reason
+    assert "nobody holds it" in str(command.reason)

@@ -3,6 +3,7 @@
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick
+from giraff_schemas.trouble import Trouble
 from tests.support.operators import said
 from tests.support.robots import ROBOT
 
@@ -38,7 +39,9 @@ class Person:
         return said(self.policy, self.now)
 
     def hear(self, holder: str, counter: int, seq: int = 1, reason: str = "held") -> None:
-        lease = Lease(seq=seq, instance="guard", holder=holder, operator=holder, counter=counter, reason=reason)
+        lease = Lease(
+            seq=seq, instance="guard", holder=holder, operator=holder, counter=counter, reason=Trouble(reason)
+        )
         self.policy.operator.on_lease(lease)
 
     @property

@@ -9,15 +9,16 @@ from giraff_keyboard.policy import Key
 from giraff_keyboard.reset_request import ASKS_FOR, READ_FIRST, ResetRequest
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.trouble import Trouble
 from tests.unit.keyboard.keyboards import EPOCH, person
 
-RELEASED = EStopAnswer(done=True, engaged=False, id=4, reason="")
+RELEASED = EStopAnswer(done=True, engaged=False, id=4)
 
 
 def stop(
     latch: int = 4, *, engaged: bool = True, base: str = "b", by: str = "carer@tablet", engaged_ns: int = 7
 ) -> EStop:
-    return EStop(engaged=engaged, id=latch, by=by, reason="child", instance=base, engaged_ns=engaged_ns)
+    return EStop(engaged=engaged, id=latch, by=by, reason=Trouble("child"), instance=base, engaged_ns=engaged_ns)
 
 
 class Base:
@@ -175,7 +176,7 @@ def test_a_release_that_is_refused_or_unanswered_says_so_and_is_not_asked_for_ev
     assert base.keys.text == "RELEASE NOT CONFIRMED: estop/reset: nobody there; ask again"
     base.press(Key.RESET)
     base.wait(1.0)
-    base.answer = EStopAnswer(done=False, engaged=True, id=5, reason="latch 4 is not the one engaged")
+    base.answer = EStopAnswer(done=False, engaged=True, id=5, reason=Trouble("latch 4 is not the one engaged"))
     base.press(Key.YES)
     base.wait(0.1)
     assert base.keys.text == "STILL STOPPED: latch 4 is not the one engaged"

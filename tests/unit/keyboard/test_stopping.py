@@ -9,6 +9,7 @@ from giraff_core.estop.request import EStopRequest
 from giraff_keyboard.stop_hold import StopHold
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.trouble import Trouble
 
 
 class Line:
@@ -38,8 +39,8 @@ class Line:
         return self.answer if judgement is True else None
 
 
-STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="", instance="base-1")
-STATED = EStop(instance="base-1", engaged=True, id=4, by="me", reason="space bar")
+STOPPED = EStopAnswer(done=True, engaged=True, id=4, instance="base-1")
+STATED = EStop(instance="base-1", engaged=True, id=4, by="me", reason=Trouble("space bar"))
 
 
 def test_nothing_is_asked_before_the_space_bar() -> None:
@@ -82,7 +83,7 @@ def test_an_answer_that_does_not_confirm_is_told_and_asked_again() -> None:
     line = Line()
     stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
     stopping.engage()
-    line.refusal = EStopAnswer(done=False, engaged=True, id=4, reason="disk full")
+    line.refusal = EStopAnswer(done=False, engaged=True, id=4, reason=Trouble("disk full"))
     for turn in range(21):
         assert not stopping.poll(turn * 0.05)
         assert stopping.asked
@@ -106,10 +107,10 @@ def test_it_can_stop_again_after_a_reset() -> None:
     stopping.on_sample(STATED)
     assert stopping.poll(0.0)
     assert stopping.text
-    stopping.on_sample(EStop(engaged=False, id=4, by="you", reason=""))
+    stopping.on_sample(EStop(engaged=False, id=4, by="you"))
     assert stopping.text == ""
     stopping.engage()
-    stopping.on_sample(EStop(engaged=False, id=4, by="you", reason=""))
+    stopping.on_sample(EStop(engaged=False, id=4, by="you"))
     assert "NOT CONFIRMED" in stopping.text
     assert not stopping.poll(0.9), "base has said so of the stop before"
     stopping.on_sample(STATED)

@@ -66,6 +66,5 @@ def echo(sensor: str, seconds: float, distance: float | None) -> Range:
         state="clear" if distance is None else "echo",
         range=distance,
         echo_us=0,
-        reason="",
         tick=moment(seconds),
     )

@@ -29,6 +29,7 @@ from giraff_schemas.messages import (
     Verdict,
 )
 from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionHold, MotionRequest, MotionState
+from giraff_schemas.trouble import Trouble
 from giraff_sim.truth import Truth
 from tests.support.floor_robot import FloorRobot
 from tests.support.map_poses import map_pose
@@ -43,9 +44,9 @@ HOLD_PERIODS: Final = 2
 """From one word of the requester to the next: 25 in a second."""
 ARMS: Final = 10
 """Neutral commands in a row, which arm."""
-FREE: Final = Verdict(allowed=1.0, freedom="free", sensor="", reason="", way_out="")
+FREE: Final = Verdict(allowed=1.0, freedom="free", sensor="")
 BLOCKED: Final = Verdict(
-    allowed=0.0, freedom="blocked", sensor="front_left", reason="wall at 0.20 m", way_out="back away"
+    allowed=0.0, freedom="blocked", sensor="front_left", reason=Trouble("wall at 0.20 m", "back away")
 )
 _BOARD: Final = BoardState(
     connected=True, boot_id=1, drive_state="", latch="", last_refusal="", accepted=0, refused=0, line_errors=0
@@ -181,18 +182,18 @@ class Bench:
         policy, now = self.policy, self.now
         policy.operator.on_tick(self._said(Tick(epoch=self.epoch, robot_ns=self.tick.robot_ns), "base-1"), now)
         reason = "" if self.holder else "nobody drives"
-        lease = Lease(holder=self.holder, operator=self.holder.partition("-")[0], counter=1, reason=reason)
+        lease = Lease(holder=self.holder, operator=self.holder.partition("-")[0], counter=1, reason=Trouble(reason))
         if self.lease_is_told:
             policy.on_lease(self._said(lease, "guard-1"), now)
         if self.requester_is_there and self.asked and self._seq % HOLD_PERIODS == 0:
             self.held.append(RobotTime(epoch=self.epoch, robot_ns=round((now - self.hold_delay) * 1e9)))
             policy.on_hold(self._said(MotionHold(id=self.asked, tick=self.held[-1]), REQUESTER))
         if self.guard_is_there:
-            state = GuardState(**self.ways, operator=self.holder, reason="", sensors={})
+            state = GuardState(**self.ways, operator=self.holder, sensors={})
             policy.on_guard(self._said(state, "guard-1"), now)
         if self.base_is_there:
             policy.on_base(self._said(self._base(), "base-1"), now)
-        stop = EStop(engaged=self.stopped, id=1, by="a cat", reason="tail under a wheel")
+        stop = EStop(engaged=self.stopped, id=1, by="a cat", reason=Trouble("tail under a wheel"))
         policy.on_estop(self._said(stop, "base-1"))
         for wheels in self.floor.heard[self._heard :]:
             sample = self.odometry.on_wheels(msgspec.structs.replace(wheels, tick=self.tick))
@@ -209,7 +210,7 @@ class Bench:
         return BaseState(
             armed=self.armed,
             driving=False,
-            reason=self.disarmed or (self.slowed if self.armed else "hold level to arm"),
+            reason=Trouble(self.disarmed or (self.slowed if self.armed else "hold level to arm")),
             guard="guard-1",
             round_trip=None,
             budget_left=None,

@@ -147,4 +147,4 @@ def test_a_late_motion_tells_what_slowed_it_for_long(
         slows = guard and guard[0] < state.elapsed < guard[1]
         bench.ways["forward"] = msgspec.structs.replace(FREE, freedom="slow") if slows else FREE
         bench.step()
-    assert state.reason.startswith(f"not there after 3.0 s: {why}")
+    assert str(state.reason).startswith(f"not there after 3.0 s: {why}")

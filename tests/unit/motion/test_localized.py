@@ -112,7 +112,7 @@ def test_it_begins_only_while_it_is_known_where_the_robot_is(spoil: Callable[[Be
     bench.run(0.2)
     answer = bench.ask(MotionGo, steps=(Move(distance=0.3), in_map(4.0, 4.0)))
     assert not answer.accepted
-    assert words in answer.reason
+    assert words in str(answer.reason)
     bench.run(1.0)
     assert bench.said == []
     assert bench.ask(MotionGo, steps=(Move(distance=0.3),)).accepted, "which needs no map"
@@ -129,8 +129,8 @@ def test_a_goal_where_nobody_can_stand_is_refused_before_the_robot_turns(
     start = bench.floor.pose
     answer = bench.ask(MotionGo, steps=(*before, in_map(x, y)))
     assert not answer.accepted
-    assert answer.reason.startswith(f"({x:g}, {y:g}) is in a wall, too near one, or off ")
-    assert "from (0.0, 0.0) to (5.0, 5.0) m; give a place where the robot can stand" in answer.reason
+    assert str(answer.reason).startswith(f"({x:g}, {y:g}) is in a wall, too near one, or off ")
+    assert "from (0.0, 0.0) to (5.0, 5.0) m; give a place where the robot can stand" in str(answer.reason)
     bench.run(1.0)
     assert (bench.said, bench.floor.pose) == ([], start)
     assert bench.do(MotionGo, steps=(in_map(4.0, 2.0), in_map(4.0, 1.5))).outcome == "arrived"
@@ -157,7 +157,7 @@ def test_it_goes_by_no_pose_that_two_processes_say() -> None:
     bench.run(0.2)
     answer = bench.ask(MotionGo, steps=(in_map(4.0, 4.0),))
     assert not answer.accepted
-    assert "two processes" in answer.reason
+    assert "two processes" in str(answer.reason)
     bench.run(1.2)
     assert bench.ask(MotionGo, steps=(in_map(4.0, 4.0),)).accepted, "for the other one has long been silent"
 
@@ -172,7 +172,7 @@ def test_a_second_process_that_speaks_ends_it() -> None:
 def test_without_localization_it_says_what_to_start() -> None:
     answer = Bench().ask(MotionGo, steps=(in_map(1.0, 0.0),))
     assert not answer.accepted
-    assert "start giraff_localization" in answer.reason
+    assert "start giraff_localization" in str(answer.reason)
 
 
 def test_it_does_not_go_by_a_pose_from_before_odometry_began_anew() -> None:
@@ -183,7 +183,7 @@ def test_it_does_not_go_by_a_pose_from_before_odometry_began_anew() -> None:
     bench.odometry.on_reset(OdomReset(by="somebody", id=1))
     bench.run(0.1)
     answer = bench.ask(MotionGo, steps=(in_map(4.0, 4.0),))
-    assert (answer.accepted, "from before" in answer.reason) == (False, True)
+    assert (answer.accepted, "from before" in str(answer.reason)) == (False, True)
     bench.localization = "localized"
     bench.run(0.1)
     assert bench.ask(MotionGo, steps=(in_map(4.0, 4.0),)).accepted
@@ -195,7 +195,7 @@ def test_it_ends_at_once_when_that_is_not_known_any_more(state: LocalizationStat
     under_way(bench)
     bench.localization = state
     end = ended(bench)
-    assert (end.outcome, end.reason) == ("lost_localization", LOST)
+    assert (end.outcome, str(end.reason)) == ("lost_localization", LOST)
 
 
 def test_it_ends_when_no_pose_is_heard() -> None:
@@ -205,7 +205,7 @@ def test_it_ends_when_no_pose_is_heard() -> None:
     bench.run(0.9)
     assert bench.state().stage == "moving"
     end = ended(bench)
-    assert (end.outcome, SILENT in end.reason) == ("lost_localization", True)
+    assert (end.outcome, SILENT in str(end.reason)) == ("lost_localization", True)
 
 
 def test_it_ends_when_what_is_said_is_of_odometry_long_past() -> None:
@@ -216,7 +216,7 @@ def test_it_ends_when_what_is_said_is_of_odometry_long_past() -> None:
     bench.run(0.95)
     assert bench.state().stage == "moving"
     end = ended(bench)
-    assert (end.outcome, "or old" in end.reason) == ("lost_localization", True)
+    assert (end.outcome, "or old" in str(end.reason)) == ("lost_localization", True)
 
 
 @pytest.mark.parametrize(
@@ -229,7 +229,7 @@ def test_it_ends_when_the_goal_or_the_robot_turns_out_to_be_elsewhere(odom: Pose
     under_way(bench)
     bench.odom_in_map = odom
     end = ended(bench)
-    assert (end.outcome, "at once; see that it is right" in end.reason) == ("lost_localization", True)
+    assert (end.outcome, "at once; see that it is right" in str(end.reason)) == ("lost_localization", True)
 
 
 @pytest.mark.parametrize("back", [False, True])

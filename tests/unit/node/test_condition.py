@@ -15,12 +15,11 @@ def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
     assert condition.summary == "well"
     condition.set_notice("link", Trouble("no robot", "start one"))
     assert condition.health().ok
-    assert condition.health().notices == ("no robot; start one",)
-    assert condition.health().noticed == (Trouble("no robot", "start one"),)
+    assert condition.health().notices == (Trouble("no robot", "start one"),)
     condition.set_fault("board", Trouble("unplugged"))
     condition.set_fault("disk", Trouble("full"))
     assert not condition.health().ok
-    assert condition.health().faults == ("unplugged", "full")
+    assert condition.health().faults == (Trouble("unplugged"), Trouble("full"))
     assert condition.summary == "unplugged; full; no robot; start one"
     condition.set_fault("board", WELL)
     condition.set_fault("disk", WELL)
@@ -32,4 +31,5 @@ def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
 def test_a_fault_that_is_no_text_is_told_all_the_same() -> None:
     condition = HealthState("base", "1", service_logger("base"))
     condition.set_fault("board", Trouble("/dev/\udcff: no such port"))
-    assert msgspec.json.decode(msgspec.json.encode(condition.health()), type=Health).faults == ("/dev/?: no such port",)
+    [fault] = msgspec.json.decode(msgspec.json.encode(condition.health()), type=Health).faults
+    assert fault == Trouble("/dev/?: no such port")

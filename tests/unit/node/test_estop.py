@@ -7,16 +7,17 @@ from giraff_core.estop.latch import is_confirmed_stop
 from giraff_core.estop.request import StopConfirmation
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.trouble import Trouble
 from tests.unit.node.test_repeating import Request
 
-DONE = EStopAnswer(done=True, engaged=True, id=4, reason="", instance="base-1")
-OWN = EStop(instance="base-1", engaged=True, id=4, by="me", reason="a cat")
+DONE = EStopAnswer(done=True, engaged=True, id=4, instance="base-1")
+OWN = EStop(instance="base-1", engaged=True, id=4, by="me", reason=Trouble("a cat"))
 
 
 @pytest.mark.parametrize("done", [False, True])
 @pytest.mark.parametrize("engaged", [False, True])
 def test_only_what_is_done_and_engaged_stops_for_good(done: bool, engaged: bool) -> None:
-    assert is_confirmed_stop(EStopAnswer(done=done, engaged=engaged, id=4, reason="")) is (done and engaged)
+    assert is_confirmed_stop(EStopAnswer(done=done, engaged=engaged, id=4)) is (done and engaged)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +52,7 @@ def test_an_answer_counts_only_beside_bases_own_word_of_that_latch(
 def test_bases_own_word_may_come_after_its_answer_and_a_full_disk_is_told() -> None:
     confirmation = StopConfirmation()
     asking = Request(confirmation.judge)
-    full = msgspec.structs.replace(DONE, done=False, reason="disk full")
+    full = msgspec.structs.replace(DONE, done=False, reason=Trouble("disk full"))
     for answer in (DONE, full):
         asking.on_answer(answer)
     assert asking.poll(0.0) is None

@@ -14,9 +14,11 @@ import pytest
 from giraff_health.ask import ask
 from giraff_node.process.health_socket import RETRY, TOUCHED, HealthSocket
 from giraff_schemas.health import Health
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import WELL, Trouble
 
-HEALTH = Health(service="base", instance="1", host="h", pid=7, uptime=1.0, ok=False, faults=("x",), notices=("y",))
+HEALTH = Health(
+    service="base", instance="1", host="h", pid=7, uptime=1.0, ok=False, faults=(Trouble("x"),), notices=(Trouble("y"),)
+)
 
 
 def opened(directory: Path, now: float = 0.0) -> HealthSocket:

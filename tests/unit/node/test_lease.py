@@ -10,7 +10,7 @@ from giraff_schemas.trouble import WELL, Trouble
 
 
 def lease(holder: str, counter: int = 0, seq: int = 0, guard: str = "guard-1", reason: str = "as it is") -> Lease:
-    return Lease(seq=seq, instance=guard, holder=holder, operator="joystick", counter=counter, reason=reason)
+    return Lease(seq=seq, instance=guard, holder=holder, operator="joystick", counter=counter, reason=Trouble(reason))
 
 
 @pytest.fixture

@@ -251,7 +251,7 @@ def test_a_drive_is_a_row_a_field_and_fixed() -> None:
     assert list(rows) == [f"drive.{field}" for field in WheelsConfig.__struct_fields__]
     of_before = {param.name for param in params.describe()} & {f"robot.{field}" for field in MOVED_TO_DRIVE}
     assert len(of_before) == len(MOVED_TO_DRIVE), "an operator of the version before asks for them"
-    answer = ParamAnswer(service="base", instance="b", host="pc", done=True, reason="", params=params.describe())
+    answer = ParamAnswer(service="base", instance="b", host="pc", done=True, params=params.describe())
     assert not of_before & {param.name for param in without_moved(answer)}
     row = rows["drive.max_level"]
     assert (row.value, row.filed, row.saved, row.kind, row.live) == (70, 70, True, "int", "fixed")

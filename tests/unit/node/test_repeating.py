@@ -6,10 +6,11 @@ from collections.abc import Callable
 
 from giraff_core.retry import RetriedRequest
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.trouble import Trouble
 
-NO = EStopAnswer(done=False, engaged=False, id=0, reason="no")
-YES = EStopAnswer(done=True, engaged=True, id=1, reason="")
-LATER = EStopAnswer(done=True, engaged=True, id=2, reason="")
+NO = EStopAnswer(done=False, engaged=False, id=0, reason=Trouble("no"))
+YES = EStopAnswer(done=True, engaged=True, id=1)
+LATER = EStopAnswer(done=True, engaged=True, id=2)
 
 
 class Request(RetriedRequest[EStopAnswer]):

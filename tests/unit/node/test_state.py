@@ -13,9 +13,10 @@ import pytest
 
 from giraff_core.estop.latch import LATCH_FILE, RELEASED, EStopLatch, load_latch
 from giraff_node.process.state import Folder, state_directory, write_file_durably, write_latch
+from giraff_schemas.trouble import Trouble
 
 LOST = 41
-ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")
+ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason=Trouble("space bar"))
 WHOLE = b'{"engaged":false,"id":7,"by":"carer","reason":""}'
 
 
@@ -73,9 +74,9 @@ def test_a_file_that_says_nothing_clear_is_a_latch(tmp_path: Path, content: byte
         (tmp_path / LATCH_FILE).write_bytes(content)
     latch = read_latch(tmp_path)
     assert latch.engaged
-    assert words in latch.reason
-    assert str(tmp_path / LATCH_FILE) in latch.reason
-    assert latch.reason.endswith("giraff estop reset")
+    assert words in str(latch.reason)
+    assert str(tmp_path / LATCH_FILE) in str(latch.reason)
+    assert str(latch.reason).endswith("giraff estop reset")
     assert latch.id == LOST
 
 
@@ -83,7 +84,7 @@ def test_a_file_that_cannot_be_read_is_a_latch(tmp_path: Path) -> None:
     (tmp_path / LATCH_FILE).mkdir()
     latch = read_latch(tmp_path)
     assert latch.engaged
-    assert "cannot be read: Is a directory" in latch.reason
+    assert "cannot be read: Is a directory" in str(latch.reason)
 
 
 @pytest.mark.parametrize(("owner", "fails"), [(os, "fsync"), (Path, "replace")])

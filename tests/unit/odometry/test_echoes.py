@@ -45,7 +45,7 @@ def pose(at_ms: int, x: float, yaw: float = 0.0, jumps: int = 0) -> Pose:
 def echo(at_ms: int, distance: float | None, sensor: str = "front_left") -> Range:
     tick = RobotTime(EPOCH, 1 + at_ms * 1_000_000)
     state: RangeState = "clear" if distance is None else "echo"
-    return Range(sensor=sensor, state=state, range=distance, echo_us=0, reason="", tick=tick)
+    return Range(sensor=sensor, state=state, range=distance, echo_us=0, tick=tick)
 
 
 @pytest.fixture

@@ -16,7 +16,6 @@ from giraff_schemas import frames
 from giraff_schemas.bumper import Bump
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import Range, RobotTime, Tick
-from giraff_schemas.trouble import trouble_of
 from giraff_schemas.wire import FrameType, RangeFault, RangeFrame, RangeState, TickFrame
 from giraff_schemas.wires.bumper import BumperFrame
 from tests.support.robots import BUMPED
@@ -62,7 +61,7 @@ def taken(frame: RangeFrame) -> Range:
 @given(st.integers(1, LONGEST_ECHO_US))
 def test_an_echo_is_a_distance_at_58_us_a_centimetre(echo_us: int) -> None:
     sample = taken(range_frame(echo_us=echo_us))
-    assert (sample.sensor, sample.state, sample.echo_us, sample.reason) == ("front_left", "echo", echo_us, "")
+    assert (sample.sensor, sample.state, sample.echo_us, str(sample.reason)) == ("front_left", "echo", echo_us, "")
     assert sample.range == pytest.approx(echo_us / 58 / 100)
     assert sample.tick == RobotTime(epoch=7, robot_ns=42)
 
@@ -82,7 +81,7 @@ def test_the_scale_of_the_robot_file_is_in_the_range_and_not_in_the_echo() -> No
 @pytest.mark.parametrize("echo_us", [0, 24_000, 38_000, 180_000])
 def test_nothing_in_reach_is_clear_and_no_distance(echo_us: int) -> None:
     sample = taken(range_frame(state=RangeState.CLEAR, echo_us=echo_us))
-    assert (sample.state, sample.range, sample.echo_us, sample.reason) == ("clear", None, echo_us, "")
+    assert (sample.state, sample.range, sample.echo_us, str(sample.reason)) == ("clear", None, echo_us, "")
 
 
 @pytest.mark.parametrize(
@@ -103,9 +102,9 @@ def test_a_fault_names_the_sensor_the_cause_and_the_way_out(frame: RangeFrame, t
     sample = ranger.on_frame(frame)
     assert sample is not None
     assert (sample.state, sample.range) == ("fault", None)
-    assert ranger.faults == {"sensor front_left": trouble_of(sample)}
-    assert sample.reason.startswith("front_left ")
-    assert (told[0] in sample.reason, told[1] in sample.remedy) == (True, True)
+    assert ranger.faults == {"sensor front_left": sample.reason}
+    assert str(sample.reason).startswith("front_left ")
+    assert (told[0] in str(sample.reason), told[1] in sample.reason.remedy) == (True, True)
 
 
 def test_a_fault_lasts_until_the_next_sound_reading_of_that_sensor() -> None:

@@ -14,6 +14,7 @@ from giraff_recorder.policy import IncidentDetector
 from giraff_schemas.codec import encode
 from giraff_schemas.health import Health
 from giraff_schemas.topics import health_key
+from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 
 SERVICES = ("base", "ranger", "guard", "odometry", "motion", "door")
@@ -21,7 +22,7 @@ SERVICES = ("base", "ranger", "guard", "odometry", "motion", "door")
 
 @pytest.mark.parametrize("unwell", SERVICES)
 def test_a_fault_that_any_of_six_services_finds_after_the_first_answers_is_an_incident(unwell: str) -> None:
-    clock, incidents, faults = Clock(), IncidentDetector(RecorderConfig()), dict[str, tuple[str, ...]]()
+    clock, incidents, faults = Clock(), IncidentDetector(RecorderConfig()), dict[str, tuple[Trouble, ...]]()
     session = Session(clock)
 
     def answer(service: str, _: bytes) -> tuple[float, bytes]:
@@ -35,7 +36,7 @@ def test_a_fault_that_any_of_six_services_finds_after_the_first_answers_is_an_in
     others = Others(cast(Any, node))
     for tenth in range(60):
         if tenth == 40:
-            faults[unwell] = ("no such port",)
+            faults[unwell] = (Trouble("no such port"),)
         others.tell(incidents, clock.monotonic(), ask=tenth % 50 == 0)
         clock.sleep(0.1)
     incident = incidents.due(clock.monotonic() + 5.0)

@@ -16,6 +16,7 @@ from giraff_recorder.config import RecorderConfig
 from giraff_recorder.policy import Incident, IncidentDetector, IncidentFile, Memory, surplus
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, BoardState, EStop
+from giraff_schemas.trouble import Trouble
 
 CONFIG = RecorderConfig()
 BOARD = BoardState(
@@ -31,14 +32,14 @@ BOARD = BoardState(
 
 
 def estop(*, engaged: bool) -> EStop:
-    return EStop(engaged=engaged, id=1, by="anna", reason="a cat")
+    return EStop(engaged=engaged, id=1, by="anna", reason=Trouble("a cat"))
 
 
 def base(*, armed: bool = True, **board: Any) -> BaseState:
     return BaseState(
         armed=armed,
         driving=False,
-        reason="no word",
+        reason=Trouble("no word"),
         guard="g",
         round_trip=None,
         budget_left=None,
@@ -47,7 +48,9 @@ def base(*, armed: bool = True, **board: Any) -> BaseState:
 
 
 def health(*faults: str) -> Health:
-    return Health(service="guard", instance="i", host="h", pid=1, uptime=1.0, ok=not faults, faults=faults)
+    return Health(
+        service="guard", instance="i", host="h", pid=1, uptime=1.0, ok=not faults, faults=tuple(map(Trouble, faults))
+    )
 
 
 @pytest.mark.parametrize("hear", ["estop", "base", "health"])
@@ -56,7 +59,7 @@ def test_a_text_of_others_is_cut(hear: str) -> None:
     incidents = IncidentDetector(CONFIG)
     for bad in (False, True):
         if hear == "estop":
-            incidents.on_estop(EStop(engaged=bad, id=1, by=long, reason=long), 1.0)
+            incidents.on_estop(EStop(engaged=bad, id=1, by=long, reason=Trouble(long)), 1.0)
         elif hear == "base":
             incidents.on_base(msgspec.structs.replace(base(connected=not bad), reason=long), 1.0)
         else:

@@ -23,7 +23,6 @@ def command(seq: int, after_ms: int) -> DriveCommand:
         linear_x=0.1 * seq,
         angular_z=0.0,
         source="hand",
-        reason="",
         tick=MOMENT,
     )
 
@@ -42,7 +41,6 @@ def turn(after_ms: int) -> GuardedCommand:
         source="hand",
         faults=0,
         hand_neutral=False,
-        reason="",
     )
 
 

@@ -47,7 +47,7 @@ def told(service: str, robot: RobotConfig = ROBOT, margin: float | None = None) 
     if margin is not None:
         params.set("margin", margin)
     shown = params.describe(() if margin is None else ("margin",))
-    return ParamAnswer(service=service, instance=INSTANCES[service], host="pc", done=True, reason="", params=shown)
+    return ParamAnswer(service=service, instance=INSTANCES[service], host="pc", done=True, params=shown)
 
 
 def heard(answer: ParamAnswer, at_ns: int) -> RawSample:

@@ -25,6 +25,7 @@ from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import EStop, Odometry, RobotTime, Sample, Tick
 from giraff_schemas.motion import NOWHERE, GoTo, MotionAnswer, MotionCancel, MotionGo, MotionState, Turn
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.trouble import Trouble
 
 
 class Asked:
@@ -76,7 +77,7 @@ class Call:
 
 
 def estop(*, engaged: bool, latch: int = 3) -> EStop:
-    return EStop(instance="base", engaged=engaged, id=latch, by="somebody", reason="")
+    return EStop(instance="base", engaged=engaged, id=latch, by="somebody")
 
 
 def test_all_calls_that_wait_are_one_stop_and_are_answered_when_base_has_confirmed() -> None:
@@ -87,7 +88,7 @@ def test_all_calls_that_wait_are_one_stop_and_are_answered_when_base_has_confirm
     stops.poll(0.1)
     assert stops.asked
     (request,) = robot.asked
-    confirmed = EStopAnswer(done=True, engaged=True, id=3, reason="", instance="base")
+    confirmed = EStopAnswer(done=True, engaged=True, id=3, instance="base")
     request.answers.append(confirmed)
     stops.poll(0.2)
     assert not any(call.answers for call in calls)  # anybody may answer: base itself has not said so
@@ -174,7 +175,7 @@ class Rviz:
         self.give(2.0, 0.0)
         (request,) = self.run()
         assert isinstance(request, MotionGo)
-        self.robot.asked[-1].answers.append(MotionAnswer(accepted=True, reason=""))
+        self.robot.asked[-1].answers.append(MotionAnswer(accepted=True))
         self.run(0.2)
         return request
 
@@ -182,7 +183,7 @@ class Rviz:
         zeros = (0.0,) * 6
         fields: dict[str, Any] = {"asked": NOWHERE, "achieved": NOWHERE, "covariance": zeros, "outcome": outcome}
         fields |= {"stage": "ended", "step": 1, "steps": 1, "elapsed": 1.0, "time_limit": 9.0, "sensor": ""}
-        state = MotionState(instance="motion", id=request.id, by=request.by, reason=reason, **fields)
+        state = MotionState(instance="motion", id=request.id, by=request.by, reason=Trouble(reason), **fields)
         self.goals.on_sample(state, self.now)
         self.run()
 
@@ -342,8 +343,8 @@ def test_no_goal_is_begun_by_a_guess_of_where_the_robot_is(state: Any, silent_s:
     rviz = Rviz()
     place: dict[str, Any] = {"x": 1.0, "y": 0.0, "yaw": 0.0, "covariance": (0.0,) * 6, "candidates": (), "tick": None}
     place |= {"odom": PlanarPose(x=0.0, y=0.0, yaw=0.0), "explained": 1.0, "way": 0.0, "particles": 9}
-    rviz.goals.on_sample(MapPose(state="localized", map="home", reason="", **place), rviz.now)
-    rviz.goals.on_sample(MapPose(state=state, map="home", reason="", **place), rviz.now)
+    rviz.goals.on_sample(MapPose(state="localized", map="home", **place), rviz.now)
+    rviz.goals.on_sample(MapPose(state=state, map="home", **place), rviz.now)
     rviz.run(silent_s)
     rviz.give(1.0, 0.0, 2.0, frame="map")  # a turn alone, which giraff_motion does not judge by localization
     assert len(rviz.run(0.08)) == asks
@@ -372,7 +373,7 @@ def test_why_motion_refuses_a_goal_is_told() -> None:
     rviz = Rviz()
     rviz.give(9.0, 9.0)
     rviz.run()
-    rviz.robot.asked[-1].answers.append(MotionAnswer(accepted=False, reason="(9, 9) is off the map"))
+    rviz.robot.asked[-1].answers.append(MotionAnswer(accepted=False, reason=Trouble("(9, 9) is off the map")))
     rviz.run()
     assert not rviz.goals.is_active
     assert "not driven to: (9, 9) is off the map" in str(rviz.goals.trouble)

@@ -81,7 +81,8 @@ def an_example(type_: type[msgspec.Struct]) -> dict[str, Any]:
 
 _START = {"seq": 3, "stamp_ns": 1_700_000_000_000_000_000, "instance": "a1"}
 _TIME = {"epoch": 7, "robot_ns": 5_000_000_000}
-_VERDICT = {"allowed": 0.6, "freedom": "free", "sensor": "", "reason": "", "way_out": ""}
+_WELL = {"what": "", "remedy": ""}
+_VERDICT = {"allowed": 0.6, "freedom": "free", "sensor": "", "reason": _WELL}
 _BOARD = {
     "connected": True,
     "boot_id": 4,
@@ -95,7 +96,7 @@ _BOARD = {
 }
 _PLACE = {"x": 1.0, "y": 2.0, "yaw": 0.5}
 _DISPLACEMENT = {"path": 1.0, "x": 1.0, "y": 0.1, "yaw": 0.2}
-_SAYS = {"reason": "it is dark; light a fire", "remedy": "light a fire"}
+_SAYS = {"reason": {"what": "it is dark", "remedy": "light a fire"}}
 _TWIST = {"linear_x": 0.3, "angular_z": -0.2}
 
 _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
@@ -103,7 +104,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     m.Tilt: _START | {"x": 0.0, "y": 0.0, "z": 9.8, "status": "running", "tick": _TIME},
     m.DriveCommand: _START
     | _TWIST
-    | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "remedy": "", "tick": _TIME},
+    | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": _WELL, "tick": _TIME},
     c.Picture: _START
     | {"camera": "head", "jpeg": b"\xff\xd8", "width": 320, "height": 240, "tick": _TIME, "exposure": 0.016}
     | {"since_tick": 0.01},
@@ -153,8 +154,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "source": "hand",
         "faults": 0,
         "hand_neutral": False,
-        "reason": "",
-        "remedy": "",
+        "reason": _WELL,
         "free_side": "backward",
         "heard": [4, -1, 7, 3, 3, 5],
         "decided_us": 15700,
@@ -204,8 +204,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     | {
         "armed": True,
         "driving": False,
-        "reason": "",
-        "remedy": "",
+        "reason": _WELL,
         "guard": "c3",
         "round_trip": 0.03,
         "budget_left": 0.17,
@@ -219,11 +218,8 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "turn_left": _VERDICT,
         "turn_right": _VERDICT,
         "operator": "b2",
-        "reason": "",
-        "remedy": "",
-        "sensors": {"rear": ""},
-        "sensor_remedies": {"rear": ""},
-        "other_sensors": {"front": ""},
+        "reason": _WELL,
+        "sensors": {"rear": {"type": "hc-sr04", "trouble": _WELL}},
     },
     lo.MapPose: _START
     | {
@@ -238,8 +234,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "way": 3.0,
         "particles": 1000,
         "map": "hall",
-        "reason": "2 places fit",
-        "remedy": "",
+        "reason": {"what": "2 places fit", "remedy": ""},
         "tick": _TIME,
     },
     lo.Particles: _START | {"x": [1.0, 2.0], "y": [0.0, 1.0], "yaw": [0.5, -0.5]},
@@ -264,7 +259,6 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "time_limit": 20.0,
         "outcome": "",
         "sensor": "",
-        "reason": "",
-        "remedy": "",
+        "reason": _WELL,
     },
 }

@@ -15,10 +15,11 @@ from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_core.operator import Operator, Wish
-from giraff_core.sensors import UltrasonicModel
+from giraff_core.sensors import ULTRASONIC, UltrasonicModel
 from giraff_schemas import topics
 from giraff_schemas.camera import Picture
-from giraff_schemas.messages import Range, Tick, TruePose
+from giraff_schemas.messages import GuardState, Range, SensorState, Tick, TruePose
+from giraff_schemas.trouble import Trouble
 from giraff_viewer.colours import CONES
 from giraff_viewer.cones import Cone
 from giraff_viewer.glyphs import drawable
@@ -172,11 +173,17 @@ def test_a_cone_has_the_colour_of_its_state(sample: Range, blocks: bool, later: 
     assert colour_of(newest) >> 8 == red << 16 | green << 8 | blue
 
 
+def judged(trouble: str) -> GuardState:
+    """The guard's word on a rear sensor."""
+    sensors = {"rear": SensorState(type=ULTRASONIC, trouble=Trouble(trouble))}
+    return msgspec.structs.replace(guard(verdict()), sensors=sensors)
+
+
 def test_a_sensor_that_the_guard_does_not_trust_is_a_fault() -> None:
     cone_ = Cone("rear")
     cone_.read(reading("rear", 2.0), SECOND)
     assert cone_.state(SECOND) == "free"
-    cone_.judge(msgspec.structs.replace(guard(verdict()), sensors={"rear": "frozen"}))
+    cone_.judge(judged("frozen"))
     assert (cone_.state(SECOND), cone_.reason(SECOND)) == ("fault", "frozen")
     assert Cone("rear").reason(SECOND) == "not heard yet"
 
@@ -184,7 +191,7 @@ def test_a_sensor_that_the_guard_does_not_trust_is_a_fault() -> None:
 def test_silence_that_the_guard_does_not_believe_is_a_doubt() -> None:
     cone_ = Cone("rear")
     cone_.read(reading("rear", None, "clear"), SECOND)
-    cone_.judge(msgspec.structs.replace(guard(verdict()), sensors={"rear": "has not proved lately that it hears"}))
+    cone_.judge(judged("has not proved lately that it hears"))
     assert (cone_.state(SECOND), cone_.reason(SECOND)) == ("doubted", "has not proved lately that it hears")
     assert cone_.state(2 * SECOND) == "fault"
 

@@ -22,7 +22,6 @@ SEEN = VisualOdometry(
     picture=1,
     tick=at(SECOND),
     key=0,
-    reason="",
     motion=None,
     path=(0.0, 0.0, 0.0),
     width=160,

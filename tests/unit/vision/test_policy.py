@@ -88,7 +88,7 @@ def slipping(grip: float) -> Iterable[Filmed]:
 def test_a_disagreement_tells_both_motions_and_is_no_measurement(shots: Callable[[], Iterable[Filmed]]) -> None:
     found = told_of(shots())
     assert all(is_right(told, true) for _, told, true in found if told.is_measured)
-    apart = [(told.motion, told.wheels, true) for _, told, true in found if told.reason == str(reasons.DISAGREE)]
+    apart = [(told.motion, told.wheels, true) for _, told, true in found if str(told.reason) == str(reasons.DISAGREE)]
     assert apart
     for motion, wheels, true in apart:
         assert motion is not None
@@ -102,7 +102,7 @@ def test_a_shadow_that_moves_is_no_motion(floor: Floor, pictures: int) -> None:
     found = told_of(islice(film("straight", Scene(floor, shadow=shadow), 1.0), pictures))
     assert all(is_right(told, true) for _, told, true in found if told.is_measured)
     reasons_told = {told.reason for _, told, _ in found}
-    assert {str(reasons.UNSURE), str(reasons.MOVING)} <= reasons_told
+    assert {reasons.UNSURE, reasons.MOVING} <= reasons_told
 
 
 @pytest.mark.parametrize("broken", ["origin", "epoch", "gap"])
@@ -122,7 +122,7 @@ def test_wheels_that_tell_nothing_of_the_way_since_the_key_picture_keep_their_ve
     found = told_of(shots)[12:]
     assert any(told.wheels is None for _, told, _ in found)
     assert sum(told.is_measured and not is_right(told, true) for _, told, true in found) <= 2
-    assert found[-1][1].reason == str(reasons.DISAGREE)
+    assert str(found[-1][1].reason) == str(reasons.DISAGREE)
 
 
 def test_a_turn_on_the_spot_behind_a_dirty_lens_is_contradicted_by_the_wheels() -> None:
@@ -175,7 +175,7 @@ def test_a_large_difference_is_remembered_until_both_have_agreed_over_some_way(o
     shots = [*clear()]
     shoved = [msgspec.structs.replace(each, x=each.x + off) for each in shots[2].odometry]
     shots[2] = shots[2]._replace(odometry=tuple(shoved))
-    told = [each.reason for _, each, _ in told_of(shots)]
+    told = [str(each.reason) for _, each, _ in told_of(shots)]
     assert told[1:4] == ["", str(reasons.DISAGREE), then]
     assert told[-1] == ""
 
@@ -223,12 +223,12 @@ def changed(change: Callable[[Grey], object]) -> Iterable[Filmed]:
 def test_a_picture_that_tells_nothing_says_why(case: str) -> None:
     reason, shots = UNUSABLE[case]
     *_, (_, told, _) = told_of(shots())
-    assert (told.reason, told.remedy, told.motion) == (str(reason), reason.remedy, None)
+    assert (told.reason, told.motion) == (reason, None)
 
 
 def test_a_camera_that_looks_up_sees_no_floor() -> None:
     (_, told, _), *_ = told_of(clear()[:1], msgspec.structs.replace(CAMERA, pitch=-0.6))
-    assert told.reason == str(reasons.NO_FLOOR)
+    assert str(told.reason) == str(reasons.NO_FLOOR)
 
 
 def test_a_pattern_that_repeats_is_unsure_where_no_wheels_contradict(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -242,7 +242,7 @@ def test_a_pattern_that_repeats_is_unsure_where_no_wheels_contradict(monkeypatch
     scene = Scene("tiles", shadow=Shadow(period=6.0))
     shots = list(islice(film("straight", scene, 4.0, seed=ALIKE), 12))
     alone = told_of(deaf(shots))
-    assert {told.reason for _, told, _ in alone[1:]} == {str(reasons.UNSURE)}
+    assert {str(told.reason) for _, told, _ in alone[1:]} == {str(reasons.UNSURE)}
     assert not any(told.is_measured or any(told.covariance) for _, told, _ in alone)
     assert all(told.is_measured and is_right(told, true) for _, told, true in told_of(shots)[1:])
 

@@ -57,7 +57,6 @@ class Desk:
                 width=320,
                 height=240,
                 rate=15.0,
-                reason="",
                 instance=instance,
                 seq=seq,
             )
@@ -138,7 +137,7 @@ def test_both_values_of_a_disagreement_are_told_and_neither_is_called_wrong() ->
             picture=1,
             tick=None,
             key=1,
-            reason=str(reasons.DISAGREE),
+            reason=reasons.DISAGREE,
             motion=motion,
             wheels=wheels,
             path=(0.0, 0.0, 0.0),

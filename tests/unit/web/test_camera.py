@@ -10,7 +10,7 @@ import pytest
 from giraff_schemas.camera import Asker, CameraState, Picture, PictureSize
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.topics import CAMERA_STATE
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.camera import SILENT, SLOW, PagesLooking
 from giraff_web.config import WebConfig
 from giraff_web.messages import Look, Looking
@@ -19,7 +19,7 @@ from giraff_web.service import Web
 from tests.support.robots import ROBOT
 
 PHONE, LAPTOP = "Android phone at 10.0.0.7", "Firefox on Linux at 10.0.0.8"
-STATE = CameraState(instance="first", camera="front", askers=(), width=320, height=240, rate=0.0, reason="")
+STATE = CameraState(instance="first", camera="front", askers=(), width=320, height=240, rate=0.0)
 
 
 class Source:
@@ -162,7 +162,7 @@ def test_taps_open_one_source_a_second() -> None:
 def test_every_page_is_told_who_looks_and_what_is_wrong() -> None:
     desk = Desk()
     asker = Asker(instance="x", by="view@laptop", size="small")
-    state = msgspec.structs.replace(STATE, askers=(asker,), reason="it is unplugged; plug it in", remedy="plug it in")
+    state = msgspec.structs.replace(STATE, askers=(asker,), reason=Trouble("it is unplugged", "plug it in"))
     desk.it.on_state(state, 20.0)
     view = desk.it.view(20.0)
     assert view is not None

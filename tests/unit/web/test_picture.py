@@ -7,6 +7,7 @@ from giraff_core.estop.request import BY_WORD
 from giraff_core.sensors import HC_SR04, UltrasonicModel
 from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
+from giraff_schemas.trouble import Trouble
 from giraff_web.config import WebConfig
 from giraff_web.messages import RELEASE, State, ToPage
 from giraff_web.picture import STALE, Picture
@@ -85,11 +86,11 @@ def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost() -> None:
 
 def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
     shown = Shown()
-    latch = EStop(instance="base", engaged=False, id=1, by="x", reason="")
+    latch = EStop(instance="base", engaged=False, id=1, by="x")
     here = PlanarPose(x=0.0, y=0.0, yaw=0.0)
     place = MapPose(
         state="lost", x=1.0, y=2.0, yaw=0.5, covariance=(0.04, 0.01, 0.0, 0.09, 0.0, 0.01), odom=here, candidates=(),
-        explained=0.2, way=3.0, particles=9, map="flat", reason="nothing fits; drive on", remedy="drive on", tick=TICK,
+        explained=0.2, way=3.0, particles=9, map="flat", reason=Trouble("nothing fits", "drive on"), tick=TICK,
     )  # fmt: skip
     for sample in (base(), guard(verdict()), latch, Battery(voltage=24.0), odometry(1.0), place):
         shown.picture.take(sample, 0.0)
@@ -104,7 +105,7 @@ def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
 def test_a_sensor_that_is_silent_is_told_so() -> None:
     shown = Shown()
     name = next(iter(ROBOT.sensors))
-    reading = Range(instance="r", sensor=name, state="echo", range=0.8, echo_us=1, reason="", tick=TICK)
+    reading = Range(instance="r", sensor=name, state="echo", range=0.8, echo_us=1, tick=TICK)
     shown.picture.take(reading, 0.0)
     shown.picture.take(msgspec.structs.replace(reading, sensor="stranger"), 0.0)
     state = shown.at(0.1)
@@ -135,9 +136,13 @@ def test_the_room_fits_until_odometry_begins_anew_or_its_pose_is_set() -> None:
 
 def test_numbers_that_a_page_cannot_hold_are_texts() -> None:
     shown = Shown()
-    how = "free it, then giraff estop reset"
     latch = EStop(
-        instance="base", engaged=True, id=(1 << 53) - 1, by="x", reason=f"y; {how}", remedy=how, engaged_ns=1 << 62
+        instance="base",
+        engaged=True,
+        id=(1 << 53) - 1,
+        by="x",
+        reason=Trouble("y", "free it, then giraff estop reset"),
+        engaged_ns=1 << 62,
     )
     shown.picture.take(latch, 0.0)
     state = shown.at(0.1)
@@ -149,7 +154,7 @@ def test_numbers_that_a_page_cannot_hold_are_texts() -> None:
 @pytest.mark.parametrize(("is_open", "word"), [(False, "confirmed"), (True, BY_WORD)])
 def test_whose_word_a_stop_is_stands_beside_it(is_open: bool, word: str) -> None:
     shown = Shown(is_open=is_open)
-    shown.picture.take(EStop(instance="base", engaged=True, id=1, by="x", reason="y"), 0.0)
+    shown.picture.take(EStop(instance="base", engaged=True, id=1, by="x", reason=Trouble("y")), 0.0)
     state = shown.at(0.1)
     assert state.stop is not None
     assert state.stop.word == word
@@ -158,7 +163,7 @@ def test_whose_word_a_stop_is_stands_beside_it(is_open: bool, word: str) -> None
 def test_who_drives_is_named() -> None:
     shown = Shown()
     shown.policy.operator.on_lease(
-        Lease(instance="g", holder="x", operator="joystick", counter=1, reason="joystick drives")
+        Lease(instance="g", holder="x", operator="joystick", counter=1, reason=Trouble("joystick drives"))
     )
     state = shown.at(0.1)
     assert (state.operator, state.device, state.page) == ("joystick", "", 0)

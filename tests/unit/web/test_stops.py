@@ -8,12 +8,13 @@ import pytest
 
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopReset
+from giraff_schemas.trouble import Trouble
 from giraff_web.stops import Stops
 
 RESET = EStopReset(by="web@host (phone)", id=4, tick=RobotTime(epoch=7, robot_ns=1), engaged_ns=9)
-STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="", instance="base")
-RELEASED = EStopAnswer(done=True, engaged=False, id=4, reason="")
-REFUSED = EStopAnswer(done=False, engaged=True, id=5, reason="there is another stop now")
+STOPPED = EStopAnswer(done=True, engaged=True, id=4, instance="base")
+RELEASED = EStopAnswer(done=True, engaged=False, id=4)
+REFUSED = EStopAnswer(done=False, engaged=True, id=5, reason=Trouble("there is another stop now"))
 
 
 class Asked:
@@ -52,7 +53,7 @@ class Base:
         return self.asked[-1]
 
     def says(self, now: float, *, engaged: bool, base: str = "base", off: bool = False) -> None:
-        state = EStop(instance=base, engaged=engaged, id=4, by="x", reason="y", engaged_ns=9, off=off)
+        state = EStop(instance=base, engaged=engaged, id=4, by="x", reason=Trouble("y"), engaged_ns=9, off=off)
         self.stops.on_estop(state, now)
 
 

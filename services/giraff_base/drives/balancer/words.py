@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_base.drives.dialogue import word
-from giraff_core.estop.latch import RESET_COMMAND
+from giraff_base.drives.dialogue import KEPT_STOP, word
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wires.balancer import BalanceCause, BalanceFlag, BalanceFrame, BalanceLatch, BalancePosture
@@ -25,7 +24,7 @@ _CAUSES: Final[dict[int, Trouble]] = {
     BalanceCause.LEAN_DISPUTED: Trouble("gyroscope and accelerometer disagreed", "check how they are fixed"),
 }
 _POSTURES: Final[dict[int, str]] = {BalancePosture.STANDS: "stands", BalancePosture.SITS_DOWN: "sits down"}
-_CORD: Final = EStopEngage(by="the cord", reason=f"it is pulled; put it back, then {RESET_COMMAND}", off=True)
+_CORD: Final = EStopEngage(by="the cord", reason=Trouble("it is pulled", "put it back"), off=True)
 HELD: Final = "something held it: clear the way"
 NEW_GAINS: Final = Trouble("it stops before it takes other gains")
 ONLY_STANDS: Final = Trouble(
@@ -73,5 +72,4 @@ def stopped_by(report: BalanceFrame) -> EStopEngage | None:
 
 def latched_by(latch: int) -> EStopEngage:
     """Return the emergency stop that a latch of the board means, where base did not order it."""
-    what = "the board kept an emergency stop from before; see that the robot may move"
-    return EStopEngage(by="the base board", reason=f"{what}, then {RESET_COMMAND}", off=latch != BalanceLatch.STANDS)
+    return EStopEngage(by="the base board", reason=KEPT_STOP, off=latch != BalanceLatch.STANDS)

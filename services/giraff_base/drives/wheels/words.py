@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_core.estop.latch import RESET_COMMAND
+from giraff_base.drives.dialogue import KEPT_STOP
 from giraff_schemas.boards import BoardType
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import DriveState, Latch, SpeedFlag, WheelsFrame
 
-_STUCK: Final = "wheel stuck; free it, check its motor and its encoder's cable"
-_OPPOSITE: Final = "wheel turned against its motor; lift the wheels and run giraff check wheels"
-_LATCHED_BY: Final[dict[int, str]] = {
-    Latch.ESTOP: "the board kept an emergency stop from before; see that the robot may move",
-    Latch.LEFT_STUCK: f"left {_STUCK}",
-    Latch.RIGHT_STUCK: f"right {_STUCK}",
-    Latch.LEFT_OPPOSITE: f"left {_OPPOSITE}",
-    Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
+_FREE_IT: Final = "free it, check its motor and its encoder's cable"
+_LIFT_IT: Final = "lift the wheels and run giraff check wheels"
+_LATCHED_BY: Final[dict[int, Trouble]] = {
+    Latch.ESTOP: KEPT_STOP,
+    Latch.LEFT_STUCK: Trouble("left wheel stuck", _FREE_IT),
+    Latch.RIGHT_STUCK: Trouble("right wheel stuck", _FREE_IT),
+    Latch.LEFT_OPPOSITE: Trouble("left wheel turned against its motor", _LIFT_IT),
+    Latch.RIGHT_OPPOSITE: Trouble("right wheel turned against its motor", _LIFT_IT),
 }
 _AT_LIMIT_FLAG: Final = int(SpeedFlag.AT_LIMIT)  # of a flag, `&` would make another one in each frame
 _AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
@@ -30,8 +30,8 @@ _OR_LOWERED: Final = ", or the potentiometer turned down"
 
 def engaged_by(latch: int) -> EStopEngage:
     """What a latch of the board that base did not order means to base."""
-    why = _LATCHED_BY.get(latch, f"latched for an unknown cause, {latch}; reflash the board")
-    return EStopEngage(by="the base board", reason=f"{why}, then {RESET_COMMAND}")
+    unknown = Trouble(f"latched for an unknown cause, {latch}", "reflash the board")
+    return EStopEngage(by="the base board", reason=_LATCHED_BY.get(latch, unknown))
 
 
 def held(report: WheelsFrame) -> str:

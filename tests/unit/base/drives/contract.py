@@ -14,7 +14,6 @@ import pytest
 from giraff_base.config import DriveConfig
 from giraff_base.drive import Answer, Drive, Report
 from giraff_base.kinds import drive_of
-from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.trouble import WELL
@@ -242,7 +241,7 @@ class AnyDrive:
         bench.board.latch_by_itself()
         told = bench.hear().latched
         assert told is not None
-        assert RESET_COMMAND in told.reason
+        assert told.reason.remedy
         bench.drive.release()
         assert bench.hear().latched is None, "its release is under way"
 

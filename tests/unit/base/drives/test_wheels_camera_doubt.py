@@ -53,7 +53,6 @@ class Camera:
                 picture=number,
                 tick=tick,
                 key=self._key,
-                reason="",
                 motion=(gone, 0.0, 0.0),
                 covariance=SURE,
                 path=(0.0, 0.0, 0.0),
@@ -235,7 +234,7 @@ def test_the_robot_creeps_until_the_port_is_opened_anew(drive: WheelsConfig) -> 
     run(1.5)
     fault = rig.base.faults["wheels"]
     assert "encoders of both wheels" in fault.what
-    assert rig.base.state().reason == str(fault.of("slowed"))
+    assert str(rig.base.state().reason) == str(fault.of("slowed"))
     most = round(CREEP / 3.0 * 1e6 if drive.asks_for_speeds else CREEP / 1.5 * 70 / 0.6)
     assert demand(rig.sent[-1].frame) == (most, most)
     rig.base.on_link_opened(session=7)

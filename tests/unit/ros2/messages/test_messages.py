@@ -22,7 +22,7 @@ from rosbags.typesys import Stores, get_typestore
 from giraff_core.kinematics.parts import PartPose
 from giraff_core.latest import LatestSamples
 from giraff_core.robot import RobotConfig, SensorPose
-from giraff_core.sensors import Camera, UltrasonicModel
+from giraff_core.sensors import ULTRASONIC, Camera, UltrasonicModel
 from giraff_ros2.messages import pose, sensors
 from giraff_ros2.messages.diagnostics import diagnostics
 from giraff_ros2.messages.header import quaternion, stamp
@@ -41,9 +41,11 @@ from giraff_schemas.messages import (
     Range,
     RangeState,
     RobotTime,
+    SensorState,
     Tilt,
     Verdict,
 )
+from giraff_schemas.trouble import Trouble
 
 SAMPLES: Final = 200
 """Random samples of each type."""
@@ -99,7 +101,6 @@ def a_map_pose(random: Random) -> MapPose:
         way=0.0,
         particles=1,
         map="flat",
-        reason="",
         tick=None,
     )
 
@@ -114,7 +115,7 @@ def a_range(random: Random) -> Range:
     state = random.choice(states)
     metres = random.uniform(0.02, 4.0) if state == "echo" else None
     moment = random.randrange(2**60)
-    return Range(stamp_ns=moment, sensor="front", state=state, range=metres, echo_us=0, reason="", tick=None)
+    return Range(stamp_ns=moment, sensor="front", state=state, range=metres, echo_us=0, tick=None)
 
 
 def a_tilt(random: Random) -> Tilt:
@@ -323,21 +324,21 @@ def test_description_has_the_frames_of_the_transforms() -> None:
 
 def test_diagnostics_by_hand() -> None:
     newest = LatestSamples()
-    newest.take(EStop(engaged=True, id=1, by="web", reason="pressed; reset it"), 9.8)
-    newest.take(Lease(holder="a", operator="keyboard", counter=3, reason=""), 9.5)
+    newest.take(EStop(engaged=True, id=1, by="web", reason=Trouble("pressed; reset it")), 9.8)
+    newest.take(Lease(holder="a", operator="keyboard", counter=3), 9.5)
     newest.take(Battery(voltage=7.4), 2.0)
     board = BoardState(
         connected=True, boot_id=1, drive_state="", latch="", last_refusal="", accepted=0, refused=0, line_errors=0
     )
-    base = BaseState(armed=False, driving=False, reason="", guard="", round_trip=None, budget_left=0.25, board=board)
+    base = BaseState(armed=False, driving=False, guard="", round_trip=None, budget_left=0.25, board=board)
     newest.take(base, 9.9)
     newest.take(
         deaf := Range(
-            sensor="front", state="fault", range=None, echo_us=0, reason="no echo; look at its plug", tick=None
+            sensor="front", state="fault", range=None, echo_us=0, reason=Trouble("no echo; look at its plug"), tick=None
         ),
         9.9,
     )
-    free = Verdict(allowed=0.5, freedom="free", sensor="", reason="", way_out="")
+    free = Verdict(allowed=0.5, freedom="free", sensor="")
     newest.take(
         GuardState(
             forward=free,
@@ -345,8 +346,11 @@ def test_diagnostics_by_hand() -> None:
             turn_left=free,
             turn_right=free,
             operator="a",
-            reason="a wall is near",
-            sensors={"front": "", "rear": "it is deaf; clean it"},
+            reason=Trouble("a wall is near"),
+            sensors={
+                "front": SensorState(type=ULTRASONIC),
+                "rear": SensorState(type=ULTRASONIC, trouble=Trouble("it is deaf", "clean it")),
+            },
         ),
         9.9,
     )
@@ -357,7 +361,7 @@ def test_diagnostics_by_hand() -> None:
         "r1: emergency stop": (2, "pressed; reset it"),
         "r1: lease": (0, "keyboard drives"),
         "r1: battery": (3, "nothing was heard of it for 8 s; run `giraff doctor` on the robot"),
-        "r1: sensor front": (2, deaf.reason),
+        "r1: sensor front": (2, str(deaf.reason)),
         "r1: sensor rear": (1, "it is deaf; clean it"),
     }
     assert {each.hardware_id for each in told.status} == {"r1"}
