@@ -66,7 +66,7 @@ def approach(number: int) -> float:
         verdict = getattr(loop.newest["guard"], way)
         assert verdict.freedom == "blocked"
         assert verdict.sensor
-        assert verdict.way_out
+        assert verdict.reason.remedy
         if choose.random() < 0.5:
             before = plant.pose.yaw
             hold(loop, y=3.0)

@@ -54,7 +54,7 @@ def test_a_wall_that_no_sonar_hears_pushes_the_front_bumper() -> None:
         loop.run(0.6)
         last = loop.simulation.record.verdict(pushed_us, loop.simulation.now_us).last_driven_us
         assert last is None or last - pushed_us < 60_000, "it still pushes against the wall"
-        assert "front is pushed" in loop.newest["guard"].forward.reason
+        assert "front is pushed" in str(loop.newest["guard"].forward.reason)
         loop.simulation.reset(BoardKind.RANGER, ResetCause.WATCHDOG)
         loop.run(0.5)
         asked_anew = loop.newest["bumper/front"]

@@ -71,7 +71,7 @@ def test_nothing_moves_before_a_neutral_hand() -> None:
         hold(loop, x=FULL_TILT)
         loop.run(3.0)
         assert loop.simulation.record.verdict(0, loop.simulation.now_us).driven_ms == 0
-        assert "hold the hand level" in loop.newest["base"].reason
+        assert "hold the hand level" in str(loop.newest["base"].reason)
         arm(loop)
         hold(loop, x=FULL_TILT)
         loop.run(1.0)

@@ -33,4 +33,4 @@ def test_a_slipping_encoder_hardly_turns_the_robot() -> None:
         assert 0.0 < fast_s < 1.0
         assert abs(turned) < _MOST_TURN
         assert abs(plant.speed) <= 1.2 * CREEP
-        assert "slowed: encoder or motor of the left wheel" in loop.newest["base"].reason
+        assert "slowed: encoder or motor of the left wheel" in str(loop.newest["base"].reason)

@@ -124,7 +124,7 @@ def drive_in_circles(lab: Lab) -> None:
 
 def _stop(at: float, said: list[dict[str, Any]], stalled: bool) -> Stop:
     left = [-1.0 if state["budget_left"] is None else state["budget_left"] for state in said]
-    return Stop(at, min(left), list(dict.fromkeys(state["reason"] for state in said)), stalled)
+    return Stop(at, min(left), list(dict.fromkeys(state["reason"]["what"] for state in said)), stalled)
 
 
 def _stalled(at: float, stalls: Stalls) -> bool:
