@@ -9,8 +9,9 @@ from typing import Final
 
 import msgspec
 
-from giraff_mcap.schemas import tables_hash
+from giraff_mcap.writing import FORMAT_FIELD
 from giraff_node.config.robot_file import ConfigError, read_tables
+from giraff_schemas.format import FORMAT
 
 ASKED: Final = "asked"
 """Field of a recording whose recorder has asked the services for their parameters."""
@@ -18,12 +19,15 @@ _SECRETS = "network"  # where keys lie and who may do what is nobody's business 
 
 
 def metadata_of(robot: str) -> dict[str, str]:
-    """Of a recording that begins now on this machine. `tables`: the robot file with this host's overrides, as JSON."""
+    """Return the metadata of a recording that begins now on this machine.
+
+    `tables`: the robot file with this host's overrides, as JSON.
+    """
     told = {
         "robot": robot,
+        FORMAT_FIELD: str(FORMAT),
         "version": _version("giraff"),
         "zenoh": _version("eclipse-zenoh"),
-        "schemas_sha256": tables_hash(),
         "host": platform.node(),
         "began": datetime.now(UTC).isoformat(timespec="seconds"),
     }

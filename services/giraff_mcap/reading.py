@@ -1,6 +1,6 @@
 """Reads a recording: `Recording(path)`, then its samples in the order in which they were heard.
 
-    recording = Recording(Path("drive.mcap"))      # RecordingError: no file, no MCAP, none of ours
+    recording = Recording(Path("drive.mcap"))      # RecordingError: no file, no MCAP, none of this format
     recording.robot, recording.about               # name; versions, robot file (JSON), ... (about.get("tables"))
     recording.whole                                # False: cut off, by a crash or a full disk; what is there is read
     recording.seconds, recording.counts            # s; key -> samples and lost (of a whole one: as it was counted then)
@@ -34,13 +34,14 @@ from giraff_core.sensors import by_type
 from giraff_mcap.layout import DAMAGE, MAGIC, look_through, read_part, was_closed
 from giraff_mcap.raw_sample import Count, LossCounter, start_of
 from giraff_mcap.unread import Unread, UnreadParts
-from giraff_mcap.writing import ABOUT, RAW, SUMMARY, below_robot
+from giraff_mcap.writing import ABOUT, FORMAT_FIELD, RAW, SUMMARY, below_robot
 from giraff_node.config.moved import modern, put
 from giraff_schemas.checks import refuse_to_read
 from giraff_schemas.codec import DecodeError, decode
+from giraff_schemas.format import FORMAT
 from giraff_schemas.messages import Sample
 from giraff_schemas.params import Param, ParamAnswer
-from giraff_schemas.text import plain
+from giraff_schemas.text import plain, printable
 from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
 
 _SHARED: Final = "robot."
@@ -89,8 +90,8 @@ class Recorded:
 class Recording:
     """One file. Each pass reads it anew, up to the length that it had at first."""
 
-    def __init__(self, path: Path) -> None:
-        """Raises RecordingError."""
+    def __init__(self, path: Path, *, any_format: bool = False) -> None:
+        """Raises RecordingError. `any_format`: its samples are passed on as they are, and nobody decodes them."""
         self.path = path
         self.whole = True
         """It was closed: nothing was cut off."""
@@ -114,6 +115,9 @@ class Recording:
         with suppress(msgspec.MsgspecError):
             self._before = msgspec.json.decode(summary.get("unread", "{}"), type=Unread)
         channels = list(self._channels())
+        for channel in channels:
+            if number := channel.metadata.get(FORMAT_FIELD):
+                self.about.setdefault(FORMAT_FIELD, number)
         self._layout.parts.sort(key=lambda part: part.since_ns)
         unreadable = {channel.topic: why for channel in channels if (why := _why_unreadable(channel))}
         topics = {channel.topic for channel in channels if not _why_unreadable(channel)}
@@ -127,6 +131,8 @@ class Recording:
         self.robot = robots[0]
         self.keys = tuple(sorted(below_robot(topic) for topic in topics))
         """Below the robot's name; of each there may be a sample."""
+        if not any_format and (why := _why_another(self.about.get(FORMAT_FIELD, ""))):
+            raise RecordingError(f"{path} {why}; use the Giraff that recorded it, or record again")
 
     @cached_property
     def counts(self) -> dict[str, Count]:
@@ -287,7 +293,7 @@ def params_in(sample: Recorded) -> ParamAnswer | None:
         return None
     try:
         answer = msgspec.msgpack.decode(sample.payload, type=ParamAnswer)
-    except msgspec.MsgspecError:  # of another version
+    except msgspec.MsgspecError:  # torn, or played from a file of another format
         return None
     return answer if sample.key == PARAM_DESCRIBE.key.replace("*", answer.service) else None
 
@@ -304,6 +310,15 @@ def put_params(tables: dict[str, Any], service: str, params: Iterable[Param]) ->
             put(tables, (service, *param.name.split(".")), param.value)
         elif (field := param.name.removeprefix(_SHARED)) in RobotConfig.__struct_fields__:
             put(tables, ("robot", field), param.value)
+
+
+def _why_another(number: str) -> str:
+    """Say why samples of a format are not decoded; empty: they are of this one."""
+    if not number:
+        return f"has no format number, and this Giraff reads {FORMAT}"
+    if number != str(FORMAT):
+        return f"was recorded by a Giraff of format {printable(number)}, and this one reads {FORMAT}"
+    return ""
 
 
 def _why_unreadable(channel: Channel) -> str:
@@ -329,7 +344,7 @@ def _payload(key: str, channel: Channel, message: Message) -> bytes:
         return message.data
     content = msgspec.json.decode(message.data)
     for field in _fields_of_bytes(key):
-        with suppress(KeyError, TypeError, ValueError):  # of another version: `decode` tells
+        with suppress(KeyError, TypeError, ValueError):  # torn, or of another format: `decode` tells
             content[field] = b64decode(content[field], validate=True)
     return msgspec.msgpack.encode(content)
 

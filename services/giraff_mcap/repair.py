@@ -20,7 +20,7 @@ def repair(path: Path, into: Path, on_share: Callable[[float], None] = lambda _:
 
     Raises RecordingError where nothing can be saved, OSError where it cannot be written.
     """
-    recording = Recording(path)
+    recording = Recording(path, any_format=True)
     with RecordingWriter(into, recording.about, to_wall_ns=0) as writer:
         batch: list[RawSample] = []
         for sample in recording.samples(unread=writer.unread):

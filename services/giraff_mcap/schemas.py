@@ -8,13 +8,9 @@ Foxglove would refuse the whole key. The data have it all the same.
 
 from __future__ import annotations
 
-import hashlib
-from functools import cache
 from typing import Any, Final
 
 import msgspec
-
-from giraff_schemas.topics import TOPICS
 
 ENCODING: Final = "jsonschema"
 
@@ -28,15 +24,6 @@ def schema_of(type_: type[msgspec.Struct]) -> bytes:
     """Return the JSON Schema of a message."""
     _, components = msgspec.json.schema_components([type_])
     return msgspec.json.encode(_plain(components[type_.__name__], components))
-
-
-@cache
-def tables_hash() -> str:
-    """SHA-256 over all keys and schemas: recordings with the same one speak the same language."""
-    digest = hashlib.sha256()
-    for topic in TOPICS:
-        digest.update(topic.key.encode() + b"\0" + schema_of(topic.schema) + b"\0")
-    return digest.hexdigest()
 
 
 def _plain(schema: dict[str, Any], components: dict[str, Any]) -> dict[str, Any]:

@@ -35,6 +35,8 @@ ABOUT: Final = "giraff"
 """Name of the metadata that tells of robot and recorder; written at once."""
 SUMMARY: Final = "giraff.summary"
 """Name of the metadata that tells how it ended, and what was lost; only in a file that was closed."""
+FORMAT_FIELD: Final = "format"
+"""Field of `ABOUT`, and of the metadata of each channel: the beginning of a file may be damaged."""
 
 _MOST_CHANNELS: Final = 10_000
 """Number of keys in a file. MCAP counts them with 16 bits, and anybody may invent some."""
@@ -65,6 +67,7 @@ class RecordingWriter:
         """What is not in the file: payloads that have no JSON, and what a repair could not read."""
         self._file = DurableFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
+        self._format = {field: number for field, number in about.items() if field == FORMAT_FIELD}
         self._schemas: dict[str, int] = {}
         self._channels: dict[tuple[str, str], _Channel] = {}
         """By key and Zenoh's encoding."""
@@ -166,7 +169,8 @@ class RecordingWriter:
         type_: type[msgspec.Struct] | None = None if topic is None else topic.schema
         if fnmatchcase(below, PARAM_DESCRIBE.key):
             type_ = ParamAnswer
-        encoding, schema_id, metadata = RAW if type_ is None else "json", 0, {"encoding": sample.encoding}
+        encoding, schema_id = RAW if type_ is None else "json", 0
+        metadata = {"encoding": sample.encoding, **self._format}
         if type_ is not None:
             name, schema = name_of(type_), schema_of(type_)
             if name not in self._schemas:

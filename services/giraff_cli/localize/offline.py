@@ -70,7 +70,7 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
 
 
 def _feed(recording: Recording, drive: RecordedDrive, stopping: StopSignal, unread: Unread, progress: Progress) -> int:
-    """How many samples are not of this version. `unread` takes what is missing in the file."""
+    """Return how many samples cannot be decoded. `unread` takes what is missing in the file."""
     strange = 0
     for number, recorded in enumerate(recording.samples((ODOM.key, RANGE.key, TRUE_POSE.key), unread)):
         if number % _LOOK_EVERY == 0:

@@ -63,7 +63,7 @@ def play(
 ) -> int:
     """Until the end, or Ctrl-C; the exit code."""
     try:
-        recording = Recording(path)
+        recording = Recording(path, any_format=True)
         topics, _ = all_below_robot(topics, recording.robot, f"{path} is of")
         keys = keys_played(recording, topics)
     except (RecordingError, UnknownKeyError) as error:

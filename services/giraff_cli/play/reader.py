@@ -98,7 +98,7 @@ def _payload(sample: Recorded, number: int) -> bytes:
     """Return a payload as it was. In later rounds, samples of Giraff get another instance: their numbers begin anew."""
     if number == 1 or (topic_of(sample.key) is None and params_in(sample) is None):
         return sample.payload
-    with suppress(DecodeError):  # of another version
+    with suppress(DecodeError):  # torn
         content: Any = sample.content()
         if isinstance(content, dict) and isinstance(content.get("instance"), str):
             return msgspec.msgpack.encode(content | {"instance": f"{content['instance']}-{number}"})

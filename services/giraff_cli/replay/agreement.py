@@ -21,7 +21,7 @@ class Agreement(msgspec.Struct, kw_only=True):
     first: str = ""
     """Of the first difference: where, recorded and replayed."""
     left_out: int = 0
-    """Recorded samples that say nothing of the policy: of before its memory was known."""
+    """Recorded samples that are not compared: the recording does not say what the policy remembered then."""
 
     @property
     def share(self) -> float:
@@ -44,11 +44,9 @@ def differences(then: msgspec.Struct, now: msgspec.Struct, tolerance: float) -> 
     """Where what was said then and what is said now are not the same; but for who said it when."""
     found = []
     for name in then.__struct_fields__:
-        if name in {"seq", "stamp_ns", "instance", "remedy", "sensor_remedies", "heard", "decided_us"}:
-            continue  # a remedy is a part of its line, and older recordings have it there alone
+        if name in {"seq", "stamp_ns", "instance", "heard", "decided_us"}:
+            continue
         before, after = getattr(then, name), getattr(now, name)
-        if name == "free_side" and before == "none":
-            continue  # older recordings tell no side
         if isinstance(before, msgspec.Struct) and type(before) is type(after) and not isinstance(before, RobotTime):
             found += [f"{name}.{difference}" for difference in differences(before, after, tolerance)]
         elif isinstance(before, float) and isinstance(after, float):

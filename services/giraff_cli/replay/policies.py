@@ -31,7 +31,6 @@ from giraff_schemas.messages import (
     GuardState,
     Lease,
     Odometry,
-    Range,
     RobotTime,
     Sample,
     Tick,
@@ -46,7 +45,6 @@ from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, ODOM, SampleT
 _ON_ITS_WAY_NS: Final = 500_000
 """From a sample's stamp at its maker until the guard's turn can take it, and from there to the guard's own stamp:
 neither is recorded."""
-_AROUND_NS: Final = 20_000_000
 _NUMBERED_NS: Final = 5_000_000_000
 """The numbers that a guard tells are of makers of about now: another one counts from 0 again."""
 SETTLES: Final = 1.0  # s after which what was missed of a young guard's life no longer shows
@@ -219,7 +217,7 @@ def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig)
             guard = _Guard(turns[index:], said.settings(config, GUARD_SERVICE.name, turn.instance), robot)
         guard.settings.go_on(turn.seq)
         now_ns = turn.stamp_ns + to_robot_ns
-        if turn.guard_tick is not None and turn.decided_us >= 0:
+        if turn.guard_tick is not None:
             now_ns = turn.guard_tick.robot_ns + turn.decided_us * 1000
         new = list(inputs.until(turn))
         if turn.guard_tick is None:  # it was not linked yet: whatever was said, it did not hear
@@ -245,13 +243,14 @@ def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig)
 
 
 class _Inputs:
-    """What the guard had heard by each of its turns: where its own words tell it by them, and else by the stamps."""
+    """Yields what the guard had heard by each of its turns.
+
+    Its ticks and numbers tell that. The stamps decide for the rest: commands of other operators, and old samples.
+    """
 
     def __init__(self, said: RecordedSamples, robot: RobotConfig) -> None:
         self._places = {name: index for index, name in enumerate(numbers_unheard(robot))}
         self._waiting: dict[type[Sample], list[Any]] = {type_: said.of(type_)[::-1] for type_ in _TAKEN}
-        self._newest: dict[str, Range] = {}
-        self._last_tick: RobotTime | None = None  # of the holder's newest command that was taken
         self._numbers: dict[str, tuple[str, int]] = {}
         """Maker and number of the newest sample that was taken, by `number_place`."""
         self._tick: RobotTime | None = None  # the newest that was taken
@@ -261,50 +260,34 @@ class _Inputs:
     def until(self, turn: GuardedCommand) -> Iterator[Sample]:
         """Those that are new in this turn, in the order in which the guard takes them."""
         self.lacks = False
-        for type_, waiting in self._waiting.items():
-            while waiting and self._taken(type_, waiting[-1], turn):
+        for waiting in self._waiting.values():
+            while waiting and self._taken(waiting[-1], turn):
                 sample = waiting.pop()
                 if isinstance(sample, Tick):
                     self._tick = sample.time
-                if isinstance(sample, Range):
-                    self._newest[sample.sensor] = sample
-                if isinstance(sample, DriveCommand) and sample.instance == turn.operator:
-                    self._last_tick = sample.tick
                 if self._is_numbered(sample, turn):
                     maker, number = self._numbers.get(number_place(sample), ("", 0))
                     self.lacks |= maker == sample.instance and sample.seq != number + 1
                     self._numbers[number_place(sample)] = sample.instance, sample.seq
                 yield sample
         self.lacks |= self._tick is not None and turn.guard_tick not in {None, self._tick}
-        told = {name: turn.heard[place] for name, place in self._places.items() if turn.heard and name in self._numbers}
-        self.lacks |= any(self._numbers[name][1] < number for name, number in told.items() if name != "command")
+        self.lacks |= any(
+            self._numbers[name][1] < turn.heard[place]
+            for name, place in self._places.items()
+            if name in self._numbers and name != "command" and place < len(turn.heard)
+        )
 
     def _is_numbered(self, sample: Sample, turn: GuardedCommand) -> bool:
         """Tell whether the guard numbers this sample in `heard`."""
         is_of_holder = not isinstance(sample, DriveCommand) or sample.instance == turn.operator
         return is_of_holder and self._places.get(number_place(sample), math.inf) < len(turn.heard)
 
-    def _taken(self, type_: type[Sample], sample: Any, turn: GuardedCommand) -> bool:
-        if type_ is Tick and turn.guard_tick is not None and turn.guard_tick.epoch == sample.epoch:
-            return bool(sample.robot_ns <= turn.guard_tick.robot_ns)
-        if self._is_numbered(sample, turn) and _near(sample, turn, _NUMBERED_NS):
-            return bool(sample.seq <= turn.heard[self._places[number_place(sample)]])
-        is_holders = type_ is DriveCommand and sample.instance == turn.operator and _near(sample, turn)
-        moment: RobotTime | None = sample.tick if is_holders else None
-        used = turn.operator_tick
-        # One more of the same moment is told from the one before by its stamp alone.
-        if moment is not None and used is not None and not moment == used == self._last_tick:
-            return moment.robot_ns <= used.robot_ns
-        if type_ is Range and turn.range_tick is not None and _near(sample, turn):
-            last = self._newest.get(sample.sensor)
-            if turn.range_tick in (sample.tick, last.tick if last is not None else None):
-                return bool(sample.tick == turn.range_tick)
-        return bool(sample.stamp_ns + _ON_ITS_WAY_NS <= turn.stamp_ns)
-
-
-def _near(sample: Sample, turn: GuardedCommand, around_ns: int = _AROUND_NS) -> bool:
-    """Whether it is of about this turn: its tick tells it from its neighbours, and not from an old one."""
-    return abs(sample.stamp_ns - turn.stamp_ns) < around_ns
+    def _taken(self, sample: Sample, turn: GuardedCommand) -> bool:
+        if isinstance(sample, Tick) and turn.guard_tick is not None and turn.guard_tick.epoch == sample.epoch:
+            return sample.robot_ns <= turn.guard_tick.robot_ns
+        if self._is_numbered(sample, turn) and abs(sample.stamp_ns - turn.stamp_ns) < _NUMBERED_NS:
+            return sample.seq <= turn.heard[self._places[number_place(sample)]]
+        return sample.stamp_ns + _ON_ITS_WAY_NS <= turn.stamp_ns
 
 
 class _Guard:

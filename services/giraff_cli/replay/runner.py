@@ -46,7 +46,7 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
         for service in sorted({agreement.service for agreement in found} - recording.described.keys()):
             print_error(f"{path}: {service} did not tell its parameters; it is taken to have gone by the robot file")
     for why in strange.values():
-        print_error(f"{path}: not of this version: {why}")
+        print_error(f"{path}: left out: {why}")
     for line in unread.texts():
         print_error(f"{path}: {line}")
     compared = [agreement for agreement in found if agreement.compared]
@@ -68,7 +68,7 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
 def agreements(recording: Recording, strange: dict[str, str], unread: Unread | None = None) -> list[Agreement]:
     """Of each service that can be replayed. Raises RecordingError, and ConfigError where no robot file can be used.
 
-    `strange` takes, by key, why a sample of it cannot be decoded by this version, and so is not compared.
+    `strange` takes, by key, why a sample of it cannot be decoded, and so is not compared.
     `unread` takes what is missing in the file.
     """
     said, unread = RecordedSamples(), Unread() if unread is None else unread

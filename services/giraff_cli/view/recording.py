@@ -58,7 +58,7 @@ class RecordingViewer:
             give_up(error)
 
     def _draw(self, recording: Recording, stage: ViewerOutput, unread: Unread) -> int:
-        """How many samples are not of this version. `unread` takes what is missing in the file."""
+        """Return how many samples cannot be decoded. `unread` takes what is missing in the file."""
         strange = 0
         for number, recorded in enumerate(recording.samples(unread=unread)):
             if number % _LOOK_EVERY == 0 and (self._stopping.asked or not stage.is_open):

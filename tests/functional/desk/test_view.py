@@ -30,6 +30,7 @@ from tests.functional.desk.views import await_viewer, view, viewing
 from tests.support.desk import Desk
 from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import ProcessRobot
+from tests.unit.mcap.recordings import ABOUT
 from tests.unit.replay.drive import begin_of_the_drive
 
 pytestmark = pytest.mark.timeout(240)
@@ -57,7 +58,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     told = stamped(TruePose(x=true.x, y=true.y, yaw=true.yaw, tick=odometry.tick), 0, newest.stamp_ns, "run")
     said = [RawSample(each.heard_ns, each.topic, each.payload, each.encoding) for each in drive]
     said += [raw(ODOM, unsure, said[-1].at_ns + 50_000_000), raw(TRUE_POSE, told, said[-1].at_ns + 100_000_000)]
-    with RecordingWriter(path, {"robot": "sim-test"}) as writer:
+    with RecordingWriter(path, ABOUT) as writer:
         writer.add(said)
         writer.close("test")
     return path

@@ -27,6 +27,7 @@ from tests.rules.repository import ROOT
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import MS, at, base, odometry, reading
 from tests.unit.cli.typed import typed
+from tests.unit.mcap.recordings import ABOUT
 
 ROOM = ROOT / "deploy" / "worlds" / "living_room.toml"
 SPEED = 0.5e-3  # m/ms
@@ -145,7 +146,7 @@ def recording(tmp_path: Path) -> Path:
     """Of that drive, with more in it than is needed."""
     path = tmp_path / "drive.mcap"
     tables = {"robot": robot_table()}
-    with RecordingWriter(path, {"robot": "sim-test", "tables": json.dumps(tables)}) as writer:
+    with RecordingWriter(path, ABOUT | {"tables": json.dumps(tables)}) as writer:
         said = [*drive(), (BASE, "", stamped(base(), 0, 0, "b"), 4000)]
         writer.add(
             [
@@ -240,7 +241,7 @@ def test_a_recording_without_odometry_says_so(
 ) -> None:
     del follower
     path = tmp_path / "base.mcap"
-    with RecordingWriter(path, {"robot": "sim-test", "tables": json.dumps({"robot": robot_table()})}) as writer:
+    with RecordingWriter(path, ABOUT | {"tables": json.dumps({"robot": robot_table()})}) as writer:
         sample = encode(stamped(base(), 0, 0, "b"))
         writer.add([RawSample(MS, key_of("sim-test", BASE), sample, str(encoding_of(BASE.schema)))])
         writer.close("test")

@@ -25,6 +25,7 @@ from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import alone, meet
 from tests.unit.cli.samples import odometry
 from tests.unit.cli.typed import typed
+from tests.unit.mcap.recordings import ABOUT
 
 OWN = msgspec.structs.replace(stock("sim-test"), footprint_radius=0.2)
 ANSWER = ParamAnswer(
@@ -106,7 +107,7 @@ def test_a_recording_is_drawn_by_its_own_tables_and_another_shape_is_named(
     expected: tuple[float, str],
 ) -> None:
     said = stamped(odometry(1, 0.0), 0, 1, "1")
-    with RecordingWriter(Path("drive.mcap"), {"tables": msgspec.json.encode(tables).decode()}) as writer:
+    with RecordingWriter(Path("drive.mcap"), ABOUT | {"tables": msgspec.json.encode(tables).decode()}) as writer:
         writer.add([RawSample(1, key_of("sim-test", ODOM), encode(said), encoding_of(type(said)))])
         writer.close("test")
     assert typed(monkeypatch, capsys, "view", "drive.mcap", "--save", "out.rrd")[0] == 0

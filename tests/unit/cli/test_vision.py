@@ -26,6 +26,7 @@ from tests.rules.repository import ROOT
 from tests.support.filmed_drive import CAMERA as HEAD
 from tests.support.filmed_drive import Filmed, film
 from tests.unit.cli.typed import typed
+from tests.unit.mcap.recordings import ABOUT
 
 ROBOT: Final = ROOT / "deploy" / "robot.toml"
 MS: Final = 1_000_000
@@ -74,7 +75,7 @@ def recorded(path: Path, pictures: int, missing: int = -1) -> str:
                 yield at_ns, CAMERA.at("head"), shot.picture
             yield at_ns + 1, VISUAL_ODOM, stamped(said()[number], number, at_ns, "vision")
 
-    with RecordingWriter(path, {"robot": "anne"}) as writer:
+    with RecordingWriter(path, ABOUT | {"robot": "anne"}) as writer:
         writer.add(
             [RawSample(at, key_of("anne", topic), encode(s), encoding_of(type(s))) for at, topic, s in samples()]
         )

@@ -9,10 +9,13 @@ import msgspec
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import encode, encoding_of
+from giraff_schemas.format import FORMAT
 from giraff_schemas.messages import Odometry, RobotTime, Sample
 from giraff_schemas.topics import ODOM, Topic, key_of
 
 ROBOT = "sim-test"
+ABOUT = {"robot": ROBOT, "format": str(FORMAT)}
+"""Metadata of a recording that nobody refuses."""
 BEGAN_NS = 1_000_000_000_000
 """By the monotonic clock."""
 
@@ -42,7 +45,7 @@ def heard(sample: Sample, at_ns: int, topic: Topic[Odometry] = ODOM) -> RawSampl
 
 def record(path: Path, *batches: list[RawSample], close: bool = True) -> RecordingWriter:
     """A file of these, on disk batch by batch; not closed: as a crash leaves it."""
-    writer = RecordingWriter(path, {"robot": ROBOT, "tables": msgspec.json.encode({"robot": {"name": ROBOT}}).decode()})
+    writer = RecordingWriter(path, ABOUT | {"tables": msgspec.json.encode({"robot": {"name": ROBOT}}).decode()})
     with writer:
         for batch in batches:
             writer.add(batch)

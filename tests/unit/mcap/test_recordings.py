@@ -19,7 +19,7 @@ from giraff_mcap.schemas import schema_of
 from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import OPERATOR_CMD_VEL, TOPICS, topic_of
-from tests.unit.mcap.recordings import ROBOT, heard, odometry, record, ten
+from tests.unit.mcap.recordings import ABOUT, ROBOT, heard, odometry, record, ten
 
 
 def test_what_was_heard_is_read_byte_for_byte_and_as_evenly(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_a_file_that_is_there_is_not_written_over(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_costs_what_did_not_fit_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    writer = RecordingWriter(tmp_path / "a.mcap", {})
+    writer = RecordingWriter(tmp_path / "a.mcap", ABOUT)
     writer.add(ten())
     writer.sync()
     write, calls = os.write, []

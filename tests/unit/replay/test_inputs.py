@@ -1,4 +1,4 @@
-"""Which of the recorded commands the guard had heard by a turn of its, where two carry one moment of the robot."""
+"""The guard numbers the commands that it has heard by each turn, and a replay goes by that."""
 
 from __future__ import annotations
 
@@ -42,27 +42,6 @@ def turn(after_ms: int) -> GuardedCommand:
         faults=0,
         hand_neutral=False,
     )
-
-
-def heard(commands: list[DriveCommand], turns: list[GuardedCommand]) -> list[list[int]]:
-    """The numbers of those that are new in each turn."""
-    said = RecordedSamples()
-    for each in commands:
-        said.add(each)
-    inputs = _Inputs(said, ROBOT)
-    return [[sample.seq for sample in inputs.until(each)] for each in turns]
-
-
-def test_one_that_repeats_a_moment_is_heard_when_it_was_said() -> None:
-    assert heard([command(1, 0), command(2, 18)], [turn(1), turn(19)]) == [[1], [2]]
-
-
-def test_the_first_of_a_moment_is_heard_in_the_turn_that_tells_it_whatever_its_stamp() -> None:
-    """The hand's clock is another one's."""
-    late = command(1, 4)
-    assert heard([late], [turn(1)]) == [[1]]
-    newer = msgspec.structs.replace(late, tick=RobotTime(epoch=1, robot_ns=MOMENT.robot_ns + 1))
-    assert heard([newer], [turn(1)]) == [[]]
 
 
 def test_a_guard_that_numbers_what_it_has_heard_is_believed_whatever_the_stamps() -> None:

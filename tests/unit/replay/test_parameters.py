@@ -27,6 +27,7 @@ from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.topics import PARAM_DESCRIBE, alive_key, key_of
 from tests.support.one_process import Clock, Session
+from tests.unit.mcap.recordings import ABOUT
 from tests.unit.replay.drive import DRIVE
 
 ALL = Recording(DRIVE)
@@ -64,7 +65,7 @@ def drive_with(path: Path, seconds: float, *answers: tuple[float, ParamAnswer], 
         if params_in(each) is None
     ]
     samples += [heard(answer, samples[0].at_ns + round(after * 1e9)) for after, answer in answers]
-    with RecordingWriter(path, {"robot": ALL.robot, **about}, to_wall_ns=0) as writer:
+    with RecordingWriter(path, ABOUT | about, to_wall_ns=0) as writer:
         writer.add(samples)
         writer.close("test")
     return path

@@ -160,14 +160,14 @@ def test_a_recording_without_a_robot_file_takes_one_from_here(
     assert "GIRAFF_CONFIG" in complaint
 
 
-def test_a_recording_of_another_version_is_named(giraff_replay: Replay, tmp_path: Path) -> None:
-    old = [sample._replace(payload=msgspec.msgpack.encode({"seq": 1, "instance": "i"})) for sample in ten()]
-    with RecordingWriter(tmp_path / "old.mcap", Recording(DRIVE).about) as writer:
-        writer.add(old)
+def test_samples_that_cannot_be_decoded_are_named(giraff_replay: Replay, tmp_path: Path) -> None:
+    torn = [sample._replace(payload=msgspec.msgpack.encode({"seq": 1, "instance": "i"})) for sample in ten()]
+    with RecordingWriter(tmp_path / "torn.mcap", Recording(DRIVE).about) as writer:
+        writer.add(torn)
         writer.close("test")
-    code, _, complaint = giraff_replay(str(tmp_path / "old.mcap"))
+    code, _, complaint = giraff_replay(str(tmp_path / "torn.mcap"))
     assert code == 2
-    assert "old.mcap: not of this version: giraff/sim-test/odom: not a Odometry: `" in complaint
+    assert "torn.mcap: left out: giraff/sim-test/odom: not a Odometry: `" in complaint
     assert "nothing in it can be compared" in complaint
     assert "all that the guard hears for 21 s in which the robot goes 2 m" in complaint
 

@@ -1,0 +1,10 @@
+"""The number of the format of samples. Each recording carries it, and a reader of another number refuses the file."""
+
+from __future__ import annotations
+
+from typing import Final
+
+FORMAT: Final = 1
+"""It rises with each change of a key, or of a field's name or type."""
+DIGEST: Final = "7672e2d1644fd387"
+"""Digest of all keys, fields and types of this number, as `tests/rules/test_format.py` computes it."""
