@@ -20,7 +20,7 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", each).strip().replace(" ", "-") for each in words}
 
 
-@pytest.mark.parametrize("page", [*PAGES, "CONTRIBUTING.md"])
+@pytest.mark.parametrize("page", [*PAGES, "CONTRIBUTING.md", "CHANGELOG.md"])
 def test_each_link_leads_somewhere(page: str) -> None:
     lost = []
     for link in LINK.findall((ROOT / page).read_text()):
