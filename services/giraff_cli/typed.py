@@ -72,20 +72,19 @@ def pose(text: str) -> Pose:
     return Pose(*place, angle_with_unit(yaw, f"{x},{y},"))
 
 
-def one_word(words: Sequence[str], read: Callable[[str], object], unit: str = "", gone: str | None = None) -> str:
+def one_word(words: Sequence[str], read: Callable[[str], object], unit: str = "") -> str:
     """Return the only word. Of several, raise ValueError with the one that they should have been.
 
-    `read`: takes what the word may be; `unit`: of the last number, where it has none; `gone`: an option of old.
+    `read`: takes what the word may be; `unit`: of the last number, where it has none.
     """
     if len(words) == 1:
         return words[0]
-    word = ",".join(each.strip(", ") for each in words if each != gone)
+    word = ",".join(each.strip(", ") for each in words)
     try:
         read(word)
     except ValueError:
         read(word := f"{word}{unit}")
-    why = f"{gone} is gone" if gone in words else "write it as one word"
-    raise ValueError(f"{why}: {_retyped(words, word)}")
+    raise ValueError(f"write it as one word: {_retyped(words, word)}")
 
 
 def _retyped(words: Sequence[str], word: str) -> str:

@@ -133,7 +133,7 @@ class _Stop(threading.Thread):
         page = self._page
         stopped_by, told_code = "", client.RELEASED
         hint_at = time.monotonic() + _HINT_AFTER
-        # An old page does not know off: what it tells of it is not the last word.
+        # A page that says that the robot is not off may speak too early: it is not the last word.
         while self.is_alive() and not (stopped_by and self._is_one and told_code == client.RELEASED):
             self.join(_LOOK)
             if time.monotonic() > hint_at and not stopped_by:

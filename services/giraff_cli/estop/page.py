@@ -61,7 +61,7 @@ class Answer(NamedTuple):
 
 class _EStop(msgspec.Struct):
     engaged: bool
-    off: bool = False
+    off: bool
 
 
 class _Body(msgspec.Struct):
@@ -82,7 +82,7 @@ def doubt_of(answer: Answer, robot: str, known: Collection[str]) -> str:
             f"new one, see it once with `giraff watch --robot {robot}`"
         )
     if answer.robot != robot:
-        return f"it serves {answer.robot or 'a robot that it does not name: update it'}"
+        return f"it serves {answer.robot or 'a robot that it does not name'}"
     if body.estop is None or not body.estop.engaged:
         return "base has not told it that it has stopped"
     return ""

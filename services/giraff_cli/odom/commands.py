@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 odom = typer.Typer(no_args_is_help=True, help="Tell odometry where the robot is.")
 
 Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, callback=finite, help="How long to try.")]
-
-_DEGREES: Final = "--degrees"
 
 
 def _deviation(text: str) -> float:
@@ -79,16 +77,15 @@ def set_pose(
 
 
 def _pose(words: Sequence[str]) -> Pose:
-    """Return the pose that was typed. ValueError writes out the new form of an old one, like `1 2 90 --degrees`."""
-    numbers = [word for word in words if word != _DEGREES]
-    is_old = len(numbers) < len(words)
-    if wrong := [word for word in numbers if word.startswith("--")]:
+    """Return the pose that was typed. Raises ValueError, for several words with the one that they should have been."""
+    if wrong := [word for word in words if word.startswith("--")]:
         raise ValueError(f"no option {wrong[0]}")
+    unit = "rad"
     try:
-        typed.angle(numbers[-1] if numbers else "")
+        typed.angle(words[-1])
     except ValueError:  # beyond a turn, and so no radians
-        is_old = True
-    return typed.pose(typed.one_word(words, typed.pose, "deg" if is_old else "rad", _DEGREES))
+        unit = "deg"
+    return typed.pose(typed.one_word(words, typed.pose, unit))
 
 
 def _tell(

@@ -65,11 +65,6 @@ class StopConfirmation:
             self._answers.pop(answer.instance, None)
             return False
         if not self._is_stated(answer):
-            if not answer.instance:
-                return (
-                    f"a base of an older version answers that latch {answer.id} is engaged, which proves no stop; "
-                    "update it, and look at `giraff estop status`"
-                )
             whose = f"base {printable(answer.instance[:8])}"
             return f"an answer says that latch {answer.id} is engaged, but no estop sample of {whose} says so"
         self._answers[answer.instance] = answer

@@ -25,7 +25,7 @@ from giraff_web.server.certificates import made_certificate, own_names
 from tests.support.waiting import wait
 
 HOST = "127.0.0.1"
-STOPPED = b'{"asked": true, "estop": {"engaged": true}}'
+STOPPED = b'{"asked": true, "estop": {"engaged": true, "off": false}}'
 ASKED = b'{"asked": true}'
 
 

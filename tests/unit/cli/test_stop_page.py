@@ -22,7 +22,7 @@ from giraff_schemas.health import Health, WebPage
 from giraff_schemas.topics import health_key
 from tests.support.one_process import Clock, Session
 
-STOPPED = b'{"asked": true, "estop": {"engaged": true, "id": 7, "by": "ann", "reason": "", "instance": "b"}}'
+STOPPED = b'{"asked": true, "estop": {"engaged": true, "off": false}}'
 ASKED = b'{"asked": true}'
 GOOD = Answer("f1", "anne", 200, STOPPED)
 PAGE = WebPage(port=8443, hosts=("10.0.0.5", "anne.lan"), certificate="f1")

@@ -36,7 +36,7 @@ GETS_UP: Final = Trouble("the robot gets up")
 
 
 def posture(report: BalanceFrame) -> str:
-    """Return the posture. An unknown one of a newer board counts as off."""
+    """Return the posture. An unknown one counts as off."""
     return _POSTURES.get(report.posture, "off")
 
 
