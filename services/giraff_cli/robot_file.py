@@ -16,8 +16,7 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from giraff_core.robot import RobotConfig
-from giraff_node.config.moved import path_of
-from giraff_node.config.robot_file import ConfigError, load, read, robot_file
+from giraff_node.config.robot_file import ConfigError, load, path_of, read, robot_file
 from giraff_node.network.discovery import name_of
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import plain

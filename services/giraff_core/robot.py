@@ -28,16 +28,6 @@ WIRING: Final = (
     "invert_right_encoder",
 )
 """How motors and encoders are soldered."""
-MOVED_TO_DRIVE: Final = (
-    "max_level",
-    "stall_level",
-    "wheel_control",
-    "speed_control",
-    "battery_volts_per_count",
-    "battery_nominal",
-    *WIRING,
-)
-"""Fields of two wheels that stood in `[robot]` before `[base.drive]` had them."""
 
 
 class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,6 +1,6 @@
 """The robot's sensors: `[robot.sensors.<name>]` of the robot file, by their `type`.
 
-`RobotConfig` has a table for each type, so that a host of an earlier version reads the ultrasonic ones as ever.
+`RobotConfig` has a table for each type.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ _TABLES: Final = {BUMPER: "bumpers", "camera": "cameras"}
 TYPES: Final = (*_TABLES, ULTRASONIC)
 TABLES: Final = ("sensors", "models", *_TABLES.values())
 """The fields of `RobotConfig` that hold what `[robot.sensors]` of a file says."""
+SORTED: Final = (*TABLES[1:], "unknown_sensors")
+"""Fields of `RobotConfig` that no file has: `by_type` fills them."""
 
 SENSED: Final[dict[str, topics.Topic[Any]]] = {"sensors": topics.RANGE, "bumpers": topics.BUMPER}
 """Topic of the sensors of each table in `RobotConfig`. Guard and replay read the topics in this order."""
@@ -111,7 +113,7 @@ def by_type(robot: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises ValueError.
     """
-    for table in (*TABLES[1:], "unknown_sensors"):
+    for table in SORTED:
         if table in robot:
             raise ValueError(f"{table} is no table of a file; write [robot.sensors.<name>], with its type")
     sensors = robot.get("sensors")

@@ -35,7 +35,7 @@ from giraff_mcap.layout import DAMAGE, MAGIC, look_through, read_part, was_close
 from giraff_mcap.raw_sample import Count, LossCounter, start_of
 from giraff_mcap.unread import Unread, UnreadParts
 from giraff_mcap.writing import ABOUT, FORMAT_FIELD, RAW, SUMMARY, below_robot
-from giraff_node.config.moved import modern, put
+from giraff_node.config.robot_file import put
 from giraff_schemas.checks import refuse_to_read
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.format import FORMAT
@@ -255,10 +255,10 @@ class Recording:
         """Return the tables that the services went by, as they told the recorder.
 
         Those of a service that told nothing are as in the robot file that the recorder had. Empty: it had none.
-        Each field stands where it stands now, and sensors as in `RobotConfig`.
+        Sensors are as in `RobotConfig`.
         """
         try:
-            tables = modern(msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])).tables
+            tables = msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])
             if "robot" in tables:
                 tables["robot"] = by_type(tables["robot"])
             for service, params in self.described.items():

@@ -13,10 +13,10 @@ from typing import Any
 
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import read_known, suggestion
+from giraff_node.config.robot_file import suggestion
 from giraff_node.node import Node
 from giraff_node.process import malloc
-from giraff_schemas.services import BASE, SERVICES, Service
+from giraff_schemas.services import SERVICES, Service
 
 malloc.limit_heaps()
 
@@ -43,9 +43,6 @@ def start(name: str) -> int:
         return _module(service, "main").main() or 0
     config = getattr(_module(service, "config"), f"{name.capitalize()}Config")
     with Node(name, config) as node:
-        if service is BASE:  # its table is the one that fields have moved to
-            for each in read_known().moved:
-                node.log.warning("%s", each)
         try:
             made = build(service, node, node.config, node.robot)
         except ValueError as error:  # the robot file asks for what this service does not have

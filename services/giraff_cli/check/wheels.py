@@ -25,12 +25,12 @@ from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turn
 from giraff_cli.robot_file import RobotFileError, before_today, record, still_overriding
 from giraff_cli.terminal.document import Report, print_report
 from giraff_core.robot import RobotConfig
-from giraff_node.config.moved import table_of_wiring
-from giraff_node.config.robot_file import ConfigError, load, parse_toml, robot_file
+from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.wire import Latch, Wiring
 
 AnswerT = TypeVar("AnswerT", bound=str)
 
+_TABLE: Final = "base.drive"
 _DRIVE_TIME: Final = 1.0  # s
 _NOT_JUDGED: Final = 255  # a stall level that is never reached: whose encoder is whose is not known yet
 _TURNED: Final[tuple[Turned, ...]] = (*SIDES, "both", "none")
@@ -52,9 +52,8 @@ def _check(port: str | None, report: Report) -> int:
         path = robot_file()
         robot = load("robot", RobotConfig)
         base = load("base", BaseConfig, os.environ, **({"port": port} if port else {}))
-        table = table_of_wiring(parse_toml(path.read_text(encoding="utf-8")))
         port, drive = port or base.port, _of_wheels(path, base.drive)
-    except (ConfigError, OSError, ValueError) as error:
+    except ConfigError as error:
         return _complain(str(error), NOT_BEGUN)
     human = Terminal()
     try:
@@ -66,7 +65,7 @@ def _check(port: str | None, report: Report) -> int:
             fields = find_wiring(bench, human, drive.stall_level)
         finally:
             bench.close()
-        kept = record(path, table, fields, kept_as=before_today())
+        kept = record(path, _TABLE, fields, kept_as=before_today())
     except BenchError as error:
         return _complain(f"{error}. Nothing was written.", NOT_BEGUN)
     except DoubtError as error:
@@ -76,7 +75,7 @@ def _check(port: str | None, report: Report) -> int:
     except KeyboardInterrupt:
         return _complain("interrupted; the motors are off. Nothing was written.", INTERRUPTED)
     human.tell(_after(path, kept, fields, os.environ))
-    report({"robot_file": str(path), "table": table, "wiring": fields})
+    report({"robot_file": str(path), "table": _TABLE, "wiring": fields})
     return DONE
 
 

@@ -92,10 +92,9 @@ def _ports(tables: Tables) -> Found:
 
 
 def _wiring(tables: Tables) -> Found:
-    drive, robot = _drive(tables), tables.get("robot", {})
     if _balances(tables):
         return Found("look", "a robot that balances: its wiring is written by hand", "docs/build-a-balancer.md")
-    missing = [name for name in WIRING if drive.get(name) is None and robot.get(name) is None]
+    missing = [name for name in WIRING if _drive(tables).get(name) is None]
     if missing:
         return Found("left", f"not known: {', '.join(missing)}; base does not arm")
     return Found("done", "[base.drive] has all six fields of the wiring")

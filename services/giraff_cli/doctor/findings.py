@@ -67,7 +67,6 @@ def findings(look: Inspection) -> list[Finding]:
 def _of_machine(machine: Machine) -> Iterator[Finding]:
     if machine.settings_problem:
         yield _told("fault", "robot file", machine.settings_problem)
-    yield from (_told("warning", "robot file", each) for each in machine.moved_settings or ())
     if machine.keys_problem:
         yield _told("fault" if machine.keys_expired else "warning", "certificates", machine.keys_problem)
     for port in machine.ports:

@@ -66,8 +66,6 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     disks: tuple[Disk, ...] = ()
     settings_problem: Trouble = WELL
     """Of robot file and environment."""
-    moved_settings: tuple[Trouble, ...] | msgspec.UnsetType = msgspec.UNSET
-    """What robot file and environment write as it was before; unset: nothing, and JSON is as it was before, too."""
     loopback_problem: Trouble = WELL
     keys_problem: Trouble = WELL
     keys_expired: bool = False

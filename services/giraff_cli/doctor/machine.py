@@ -20,7 +20,7 @@ from giraff_cli.network.interfaces import interfaces, ipv6_alone
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read, read_tables
+from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables
 from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.host_addresses import loopback_fault
 from giraff_node.network.key_bundle import CA_CERTIFICATE, COPY_AGAIN, BundleError, ExpiryWatch, read_bundle
@@ -52,7 +52,6 @@ def look_at_machine(
         services=_services(network),
         disks=(_disk(state_directory(robot or "giraff", environment)), _disk(Path.cwd())),
         settings_problem=_settings_problem(wrong, environment),
-        moved_settings=_moved(environment),
         loopback_problem=loopback_fault(),
         keys_problem=keys,
         keys_expired=expired,
@@ -187,12 +186,6 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> Trouble:
         except (ConfigError, ValueError) as error:
             wrong = str(error)
     return Trouble(wrong, CORRECT_IT) if wrong else WELL
-
-
-def _moved(environment: Mapping[str, str]) -> tuple[Trouble, ...] | msgspec.UnsetType:
-    with contextlib.suppress(ConfigError):  # that is told as what is wrong with the settings
-        return read(environment, with_file=expects_robot_file(environment)).moved or msgspec.UNSET
-    return msgspec.UNSET
 
 
 def _unranked_hands(environment: Mapping[str, str]) -> tuple[str, ...]:

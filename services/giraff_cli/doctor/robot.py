@@ -116,15 +116,12 @@ class GeometryClient:
 
     def _take(self, answer: ParamAnswer) -> None:
         with suppress(msgspec.MsgspecError):  # of another version, which is told by its health
-            if geometry := geometry_in(answer):
-                self._told[answer.instance] = geometry
+            self._told[answer.instance] = geometry_in(answer)
 
 
-def geometry_in(answer: ParamAnswer) -> GeometryInUse | None:
-    """What a service has told of wheels and track; None: not all of it. Raises ValidationError for what cannot be."""
+def geometry_in(answer: ParamAnswer) -> GeometryInUse:
+    """What a service has told of wheels and track. Raises ValidationError for what cannot be."""
     told = {param.name.removeprefix(_SHARED): param.value for param in answer.params if param.name.startswith(_SHARED)}
-    if not told.keys() >= {*Geometry.__struct_fields__}:
-        return None
     return GeometryInUse(service=answer.service, host=answer.host, geometry=msgspec.convert(told, Geometry))
 
 

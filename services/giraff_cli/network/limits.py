@@ -55,10 +55,8 @@ def ask_limits(connection: RobotConnection, verb: str) -> RobotConfig:
 def limits_of(answer: ParamAnswer, robot: str) -> RobotConfig:
     """What base's answer has of the table [robot]. Raises NoRobotError where it cannot be one."""
     told = {param.name.removeprefix(_SHARED): param.value for param in answer.params if param.name.startswith(_SHARED)}
-    # A newer base may know more, which is no business of an operator.
-    known = {field: told[field] for field in RobotConfig.__struct_fields__ if field in told}
     try:
-        return converted(known | {"name": robot}, RobotConfig)
+        return converted(told | {"name": robot}, RobotConfig)
     except ValueError as error:
         raise NoRobotError(
             f"base of {robot} at {answer.host} tells limits that cannot be: {error}; "

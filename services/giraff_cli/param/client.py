@@ -11,7 +11,7 @@ import msgspec
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.param.format import Shown, as_objects, differing, values, without_moved
+from giraff_cli.param.format import Shown, as_objects, differing, values
 from giraff_cli.terminal.page import print_json
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
@@ -52,7 +52,7 @@ def show(
         is_known = all(name.partition(".")[0] in _TABLES for name in names)
         services = _services(connection, names if is_known else ())  # all of them know what was meant
         answers = _ask(connection, PARAM_DESCRIBE, dict.fromkeys(services, ParamDescribe()), _PATIENCE)
-        shown = [Shown(each.service, each.host, param) for each in answers.values() for param in without_moved(each)]
+        shown = [Shown(each.service, each.host, param) for each in answers.values() for param in each.params]
         wanted = [one for one in shown if not names or any(one.is_meant(name) for name in names)]
         if unknown := [name for name in names if not any(one.is_meant(name) for one in shown)]:
             missing = services - answers.keys()

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Final, NamedTuple
 
 from giraff_cli.terminal.page import print_table, print_wrapped
-from giraff_core.robot import MOVED_TO_DRIVE
-from giraff_schemas.params import Param, ParamAnswer
+from giraff_schemas.params import Param
 from giraff_schemas.text import printable
 
 _SHARED: Final = "robot."
@@ -96,13 +95,6 @@ def as_objects(shown: Iterable[Shown]) -> list[dict[str, Any]]:
         }
         for one in shown
     ]
-
-
-def without_moved(answer: ParamAnswer) -> list[Param]:
-    """Return what a service tells, without what it tells a second time for operators of the version before."""
-    told = {param.name for param in answer.params}
-    moved = {f"{_SHARED}{field}" for field in MOVED_TO_DRIVE if f"drive.{field}" in told}
-    return [param for param in answer.params if param.name not in moved]
 
 
 def differing(shown: Iterable[Shown]) -> list[str]:

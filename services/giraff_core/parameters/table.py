@@ -13,7 +13,7 @@ from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
-from giraff_core.robot import MOVED_TO_DRIVE, RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning, live_fields, loosens
 from giraff_schemas.checks import converted
 from giraff_schemas.fields import fields_of
@@ -46,7 +46,6 @@ class Parameters(Generic[ConfigT]):
         self._filed = filed
         # Read from their source now: the turn that answers a question is one that stops motors, too.
         self._documented = {**_described(type(filed)), **_described(type(robot), _SHARED)}
-        self._moved: dict[str, str] = {}
         self._live: dict[str, Tuning] = {}
         for name, tuning in live_fields(type(filed)).items():
             if not _is_told_apart(value := getattr(filed, name)):
@@ -54,11 +53,7 @@ class Parameters(Generic[ConfigT]):
                 continue
             kind: type[msgspec.Struct] = type(value)
             self._live |= {f"{name}.{field}": its or Tuning.READ_ONLY for field, its in live_fields(kind).items()}
-            of_kind = _described(kind, f"{name}.")
-            self._documented |= of_kind
-            moved = {_SHARED + field: f"{name}.{field}" for field in MOVED_TO_DRIVE}
-            self._moved |= {old: new for old, new in moved.items() if new in of_kind}
-            self._documented |= {old: of_kind[new] for old, new in self._moved.items()}
+            self._documented |= _described(kind, f"{name}.")
         self._robot = robot
 
     def restore(self, saved: Mapping[str, Any]) -> list[str]:
@@ -114,9 +109,6 @@ class Parameters(Generic[ConfigT]):
             for name in self._live
         ]
         own += [self._described(_SHARED + name, value, value, saved=True) for name, value in shared.items()]
-        # An operator of the version before reads there what it asks of a robot.
-        told = {param.name: param for param in own}
-        own += [msgspec.structs.replace(told[new], name=old) for old, new in self._moved.items()]
         wanted = set(names)
         return tuple(param for param in own if not wanted or param.name in wanted)
 

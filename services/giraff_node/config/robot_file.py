@@ -18,18 +18,18 @@ import msgspec
 import msgspec.inspect
 
 from giraff_core.network import host_and_port
-from giraff_core.robot import WIRING
+from giraff_core.robot import WIRING, RobotConfig
+from giraff_core.sensors import SORTED, by_type
 from giraff_core.sensors import TABLES as SENSOR_TABLES
-from giraff_core.sensors import by_type
-from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.services import ROBOT_TABLES
 from giraff_schemas.text import near, plain
-from giraff_schemas.trouble import Trouble
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
+_IN_TABLE: Final = "__"
+"""Goes into a table, in the name of a variable."""
 _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
 _QUOTED: Final = re.compile(r"""(["'])((?:(?!\1).)*)\1""")
 """A variable of an env file that docker reads: it keeps the quotes, which systemd and shells take away."""
@@ -67,8 +67,6 @@ class RawSettings(NamedTuple):
     """What belongs to no table, in the order in which it was met."""
     variables: tuple[str, ...]
     """Those of the environment that have set a field."""
-    moved: tuple[Trouble, ...] = ()
-    """What is written as it was before, each with what to write now. It counts all the same."""
 
     def table(self, name: str, config: type[ConfigT]) -> ConfigT:
         """The checked table as a `config`, whose fields' defaults stand for what is left out. Raises ConfigError."""
@@ -105,7 +103,7 @@ class RawSettings(NamedTuple):
     def place(self, table: str) -> str:
         """Where an error of this table is to be looked for."""
         prefix = f"GIRAFF_{table.upper()}_"
-        given = [name for name in self.variables if current_name(name).upper().startswith(prefix)]
+        given = [name for name in self.variables if name.upper().startswith(prefix)]
         variables = f" (with {', '.join(sorted(given))} of the environment)" if given else ""
         return f"{self.where}: table [{table}]{variables}"
 
@@ -154,23 +152,17 @@ def expects_robot_file(environment: Mapping[str, str] = os.environ) -> bool:
 def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> RawSettings:
     """The robot file and the environment's overrides; the latter alone, if so wanted. Raises ConfigError."""
     filed = _read_file(robot_file(environment)) if with_file else RawSettings("environment", {}, (), ())
-    tables, strange, moved = filed.tables, [*filed.strange], [*filed.moved]
-    variables = []
+    strange, variables = [*filed.strange], []
     for variable, text in sorted(environment.items(), key=_depth):
         if not variable.startswith("GIRAFF_") or variable in _NOT_FIELDS:
             continue
-        current = current_name(variable)
         try:
-            _override(tables, variable, text)
-            if current != variable:
-                name_type(tables)
-                moved.append(Trouble(f"{variable} has another name now", f"write {current}"))
-                _require_once(variable, current, environment)
+            _override(filed.tables, variable, text)
         except ConfigError as error:
             strange.append(UnknownEntry(variable.removeprefix("GIRAFF_").lower(), text, str(error), variable))
         else:
             variables.append(variable)
-    return RawSettings(filed.where, tables, tuple(strange), tuple(variables), tuple(moved))
+    return RawSettings(filed.where, filed.tables, tuple(strange), tuple(variables))
 
 
 def _read_file(path: Path) -> RawSettings:
@@ -180,10 +172,8 @@ def _read_file(path: Path) -> RawSettings:
 
         if wrong := wrong_kind(parsed, ROBOT_FILE):
             raise ConfigError(f"{path}: {wrong}")
-    found = modern(parsed)
-    tables = {}
-    strange = [UnknownEntry("drive", None, f"{path}: {found.twice}")] if found.twice else []
-    for name, table in found.tables.items():
+    tables, strange = {}, []
+    for name, table in parsed.items():
         if name not in ROBOT_TABLES:
             what = f"{path}: unknown table [{name}]{suggestion(name, ROBOT_TABLES)}"
             strange.append(UnknownEntry(name.lower(), table, what))
@@ -192,12 +182,12 @@ def _read_file(path: Path) -> RawSettings:
         else:
             what = f"{path}: {name} is a value where the table [{name}] belongs"
             strange.append(UnknownEntry(name, table, what))
-    return RawSettings(str(path), tables, tuple(strange), (), (found.moved.of(str(path)),) if found.moved else ())
+    return RawSettings(str(path), tables, tuple(strange), ())
 
 
 def _depth(item: tuple[str, str]) -> int:
     """A whole table comes before its fields."""
-    return current_name(item[0]).count("__")
+    return item[0].count(_IN_TABLE)
 
 
 def read_tables(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> dict[str, dict[str, Any]]:
@@ -244,9 +234,21 @@ def _override(tables: dict[str, dict[str, Any]], variable: str, text: str) -> No
         raise ConfigError(f"{variable}: cannot be set: {error}") from error
 
 
-def _require_once(variable: str, current: str, environment: Mapping[str, str]) -> None:
-    if current in map(str.upper, environment):
-        raise ConfigError(f"{variable} and {current} set the same field; remove {variable}")
+def path_of(variable: str) -> tuple[str, ...]:
+    """Return the tables and the field that a variable sets: GIRAFF_BASE_DRIVE__MAX_LEVEL is base, drive, max_level."""
+    table, _, field = variable.removeprefix("GIRAFF_").lower().partition("_")
+    return (table, *field.split(_IN_TABLE))
+
+
+def put(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> None:
+    """Set a value, and make the tables that are missing. Raises TypeError where something else stands there."""
+    *above, last = path
+    inner: Any = tables
+    for name in above:
+        inner = inner.setdefault(name, {})
+        if not isinstance(inner, dict):
+            raise TypeError(f"{name} is no table")
+    inner[last] = value
 
 
 def _hint(values: Mapping[str, Any], config: type[msgspec.Struct], told: str) -> str:
@@ -261,7 +263,8 @@ def _hint(values: Mapping[str, Any], config: type[msgspec.Struct], told: str) ->
             return ""
     structs = _structs(kind, inner)
     if unknown:
-        return suggestion(unknown[1], [field.name for struct in structs for field in struct.fields])
+        names = [field.name for struct in structs for field in struct.fields]
+        return suggestion(unknown[1], [name for name in names if config is not RobotConfig or name not in SORTED])
     known = _words(kind, inner, keys[-1]) if keys else ()
     return suggestion(str(inner.get(keys[-1])), known) if known and inner.get(keys[-1]) not in known else ""
 

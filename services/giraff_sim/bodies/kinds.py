@@ -10,8 +10,7 @@ from giraff_base.config import BaseConfig, DriveConfig
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_node.config.moved import path_of
-from giraff_node.config.robot_file import load, read_tables
+from giraff_node.config.robot_file import load, path_of, read_tables
 from giraff_schemas.services import BASE
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import draw

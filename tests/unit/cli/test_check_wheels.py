@@ -10,13 +10,10 @@ from pathlib import Path
 from typing import ClassVar
 
 import pytest
-import tomlkit
 
-from giraff_base.config import BaseConfig
 from giraff_cli.check import wheels as check_wheels
 from giraff_cli.check.bench import BenchError, Levels
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError
-from giraff_node.config.robot_file import load
 from giraff_schemas.boards import ARDROS_BOARD, BoardType
 from giraff_schemas.wire import Latch, Wiring
 from giraff_sim.board import ROOT
@@ -124,33 +121,6 @@ def test_any_wiring_is_found_proved_and_written(
     assert Bench.made.closed
 
 
-@pytest.mark.parametrize(
-    ("robot", "drive", "table"),
-    [
-        ("max_level = 70", "", "robot"),
-        ("battery_nominal = 25", 'type = "wheels"\nmax_level = 70\nswap_motors = true', "base.drive"),
-        ("swap_motors = true", 'type = "wheels"\nmax_level = 70', "robot"),
-        ("swap_motors = true", 'type = "wheels"\nmax_level = 70\nswap_encoders = true', ""),
-    ],
-)
-def test_a_robot_file_of_before_gets_them_where_its_wiring_stands(
-    path: Path, monkeypatch: pytest.MonkeyPatch, robot: str, drive: str, table: str
-) -> None:
-    """A field in both tables would be refused."""
-    tables = tomlkit.parse(path.read_text(encoding="utf-8"))
-    given = [*robot.splitlines(), "battery_volts_per_count = 0.0"]
-    tables["robot"].update(tomllib.loads("\n".join(given)))
-    tables["base"].remove("drive")
-    if drive:
-        tables["base"]["drive"] = tomllib.loads(drive)
-    path.write_text(tomlkit.dumps(tables), encoding="utf-8")
-    answer(monkeypatch, *honest(Wiring(0)))
-    assert check_wheels.check_wheels("port") == (0 if table else 2)
-    if table:
-        assert not load("base", BaseConfig).drive.unchecked
-        assert f"[{table}]" in path.read_text(encoding="utf-8")
-
-
 TRUTH = Wiring.SWAP_ENCODERS | Wiring.INVERT_RIGHT_MOTOR
 
 
@@ -218,7 +188,7 @@ def test_variables_that_override_the_file_are_named(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setenv("GIRAFF_ROBOT_SWAP_MOTORS", "true")
+    monkeypatch.setenv("GIRAFF_BASE_DRIVE__SWAP_MOTORS", "true")
     answer(monkeypatch, *honest(Wiring(0)))
     assert check_wheels.check_wheels("port") == 0
-    assert "still override it: GIRAFF_ROBOT_SWAP_MOTORS" in capsys.readouterr().out
+    assert "still override it: GIRAFF_BASE_DRIVE__SWAP_MOTORS" in capsys.readouterr().out

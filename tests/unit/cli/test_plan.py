@@ -134,7 +134,7 @@ def test_a_simulated_robot_brings_what_neither_file_nor_environment_say(
 ) -> None:
     file, text = tmp_path / "ardros.toml", ARDROS.read_text()
     file.write_text(text.replace('control = "speed"', 'control = "level"\ninvert_right_encoder = true'))
-    monkeypatch.setenv("GIRAFF_ROBOT_SWAP_MOTORS", "true")
+    monkeypatch.setenv("GIRAFF_BASE_DRIVE__SWAP_MOTORS", "true")
     environment = with_known({**os.environ, "GIRAFF_CONFIG": str(file)})
     drive = load("base", BaseConfig, environment).drive
     assert isinstance(drive, WheelsConfig)

@@ -85,7 +85,7 @@ def test_a_disk_that_does_not_take_it_leaves_the_file_as_it_was(path: Path, monk
 
 
 SPOILED: dict[str, tuple[str, dict[str, dict[str, Value]]]] = {
-    "fields of before": ("[robot]\nmax_level = 70\n[base]\n", {"base.drive.speed_control": {"speed_p": 60.0}}),
+    "no table above": ("[robot]\n[base]\n", {"base.drive.speed_control": {"speed_p": 60.0}}),
     "no table": ("base = 3\n", {"base.drive": {"a": 1.0}}),
     "a list": ("[robot]\nsensors = [1]\n", {"robot.sensors.rear": {"x": 1.0}}),
 }
@@ -104,10 +104,9 @@ def test_a_rehearsal_refuses_what_recording_would_and_changes_nothing(path: Path
 
 OVERRIDING = [
     ("joystick", "mount_yaw", "GIRAFF_JOYSTICK_MOUNT_YAW"),
-    ("base.drive", "swap_motors", "GIRAFF_ROBOT_SWAP_MOTORS"),
-    ("robot", "swap_motors", "GIRAFF_BASE_DRIVE__SWAP_MOTORS"),
+    ("base.drive", "swap_motors", "GIRAFF_BASE_DRIVE__SWAP_MOTORS"),
     ("base.drive.speed_control", "speed_p", "GIRAFF_BASE_DRIVE__SPEED_CONTROL__SPEED_P"),
-    ("base.drive.speed_control", "speed_p", "GIRAFF_ROBOT_SPEED_CONTROL"),
+    ("base.drive.speed_control", "speed_p", "GIRAFF_BASE_DRIVE__SPEED_CONTROL"),
     ("robot.sensors.rear", "yaw", "GIRAFF_ROBOT_SENSORS__REAR__YAW"),
 ]
 

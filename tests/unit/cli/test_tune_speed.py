@@ -287,13 +287,12 @@ def differ(desk: Desk) -> None:
 FIELDS: Final = ("max_level = 70", "stall_level = 25", "battery_nominal = 24.0", 'wheel_control = "speed"')
 
 
-def spell(robot: str = "", base: str = "") -> Callable[[Desk], None]:
-    """Return what writes a drive of these lines in [robot] or in [base], in place of the table of its own."""
+def spell(base: str) -> Callable[[Desk], None]:
+    """Return what writes a drive of these lines in [base], in place of the table of its own."""
 
     def edit(desk: Desk) -> None:
         text = desk.path.read_text(encoding="utf-8")
         desk.edit(text[text.index("[base.drive]") : text.index("[ranger]")], f"{base}\n\n")
-        desk.edit("[robot]", f"[robot]\n{robot}")
 
     return edit
 
@@ -324,10 +323,9 @@ REFUSALS: Final[dict[str, tuple[Callable[[Desk], object], list[str], int, str]]]
     "base that is not restarted": (leave, ["yes", "yes", "yes", "no"], 1, "are not tried"),
     "a blocked second way": (block_later, ["yes"] * 3, 1, "the drive stopped before its end: front_left blocks"),
     "Ctrl-C in the second drive": (interrupt_later, ["yes"] * 3, 130, "interrupted"),
-    "a drive in [robot]": (spell(robot="\n".join(FIELDS)), [], 2, _TAKES_NONE),
-    "a drive on one line": (spell(base=f'drive = {{ type = "wheels", {", ".join(FIELDS)} }}'), [], 2, _TAKES_NONE),
+    "a drive on one line": (spell(f'drive = {{ type = "wheels", {", ".join(FIELDS)} }}'), [], 2, _TAKES_NONE),
     "a drive in dotted keys": (
-        spell(base="\n".join(f"drive.{x}" for x in ('type = "wheels"', *FIELDS))),
+        spell("\n".join(f"drive.{x}" for x in ('type = "wheels"', *FIELDS))),
         [],
         2,
         _TAKES_NONE,

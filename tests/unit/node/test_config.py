@@ -183,8 +183,11 @@ def test_the_robot_file_of_the_tree_is_sound() -> None:
     [
         ("GIRAFF_ROBOT_TRACK_WIDTH", "-1", "track_width is -1"),
         ("GIRAFF_ROBOT_TRACK_WIDTH", "nan", "track_width is nan"),
+        ("GIRAFF_ROBOT_MAX_LEVEL", "70", "unknown field `max_level`; known are: calibration, footprint_radius, frames"),
         ("GIRAFF_BASE_DRIVE__MAX_LEVEL", "300", "max_level is 300"),
         ("GIRAFF_BASE_DRIVE__MAX_LEVEL", "0", "max_level is 0"),
+        ("GIRAFF_BASE_DRIVE__MAX_LEVEL__X", "3", "GIRAFF_BASE_DRIVE__MAX_LEVEL__X: cannot be set: max_level is no"),
+        ("GIRAFF_BASE_DRIVE__SPEED_CONTROL__MAX_PWM", "256", "max_pwm is 256: it must be within 1..255"),
         ("GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT", "nan", "battery_volts_per_count is nan"),
         ("GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT", "-0.1", "battery_volts_per_count is -0.1"),
         ("GIRAFF_BASE_DRIVE__SWAP_MOTORS", "perhaps", "swap_motors"),
@@ -202,6 +205,29 @@ def test_a_robot_that_cannot_be_is_refused(variable: str, value: str, says: str)
     given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), variable: value}
     with pytest.raises(ConfigError, match=says):
         load("base", BaseConfig, given) if "BASE" in variable else load("robot", RobotConfig, given)
+
+
+@pytest.mark.parametrize(
+    ("drive", "says"),
+    [
+        ("", "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"),
+        ('drive = { type = "whels" }', "did you mean 'wheels'?"),
+        ("drive = { type = 3 }", "drive.type must be text, and is a number"),
+        ('drive = { type = "wheels", max_levl = 7 }', "unknown field `max_levl` in drive; did you mean 'max_level'?"),
+        (
+            'drive = { type = "wheels", wheel_control = "sped" }',
+            "wheel_control cannot be 'sped'; did you mean 'speed'?",
+        ),
+        ('drive = { type = "wheels", speed_control = { max_pmw = 3 } }', "did you mean 'max_pwm'?"),
+        ("drive = 3", "drive must be a table of fields, and is a number"),
+    ],
+)
+def test_what_is_wrong_in_base_drive_is_named_with_the_word_that_was_meant(
+    tmp_path: Path, drive: str, says: str
+) -> None:
+    with pytest.raises(ConfigError) as refused:
+        load("base", BaseConfig, environment(tmp_path, f'[base]\nport = "x"\n{drive}'))
+    assert says in str(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -10,15 +10,14 @@ import msgspec
 import pytest
 
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.param.format import Shown, without_moved
+from giraff_cli.param.format import Shown
 from giraff_core.bounds import require_positive
 from giraff_core.inbox import Inbox
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import MistypedError, ParamError, Parameters
-from giraff_core.robot import MOVED_TO_DRIVE
 from giraff_core.tuning import Tuning
 from giraff_node.process.state import Folder
-from giraff_schemas.params import Param, ParamAnswer, ParamSave, ParamSet
+from giraff_schemas.params import Param, ParamSave, ParamSet
 from tests.support.robots import BASE, ROBOT
 from tests.unit.node.asked import Asked
 
@@ -249,10 +248,6 @@ def test_a_drive_is_a_row_a_field_and_fixed() -> None:
     params = Parameters("base", BASE, ROBOT)
     rows = {param.name: param for param in params.describe() if param.name.startswith("drive")}
     assert list(rows) == [f"drive.{field}" for field in WheelsConfig.__struct_fields__]
-    of_before = {param.name for param in params.describe()} & {f"robot.{field}" for field in MOVED_TO_DRIVE}
-    assert len(of_before) == len(MOVED_TO_DRIVE), "an operator of the version before asks for them"
-    answer = ParamAnswer(service="base", instance="b", host="pc", done=True, params=params.describe())
-    assert not of_before & {param.name for param in without_moved(answer)}
     row = rows["drive.max_level"]
     assert (row.value, row.filed, row.saved, row.kind, row.live) == (70, 70, True, "int", "fixed")
     assert "of 255" in row.doc
