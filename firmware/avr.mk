@@ -40,6 +40,3 @@ check:
 		$(wildcard $(patsubst %,avr/%.c,$(SHARED) $(REGISTERS)))
 
 -include $(OBJECTS:.o=.d)
-
-# It has moved to common: an older build still names it.
-base/latch.c: ;

@@ -45,6 +45,3 @@ check:
 	$(CHECK) --platform=unix64 -D__unix__ -DBOARD='"$(BOARD)"' $(MACHINE:%=host/%.c)
 
 -include $(OBJECTS:.o=.d)
-
-# It has moved to common: an older build still names it.
-base/latch.c: ;

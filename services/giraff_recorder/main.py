@@ -124,7 +124,3 @@ def advanced(node: Node[RecorderConfig], writing: Iterator[None]) -> Iterator[No
         node.set_fault("disk", Trouble(full, "make room, or correct its rights"))
         return None
     return writing
-
-
-if __name__ == "__main__":
-    main()

@@ -111,7 +111,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
         given = command.environment | {"GIRAFF_ROS2_ROUTER": f"127.0.0.1:{port}"}
         with (
             (directory / "ros2.log").open("w") as log,
-            subprocess.Popen([sys.executable, "-m", "giraff_ros2"], env=given, stderr=log) as bridge,
+            subprocess.Popen([sys.executable, "-m", "giraff_node", "ros2"], env=given, stderr=log) as bridge,
         ):
             wait(lambda: "in ROS's shell" in (directory / "ros2.log").read_text(), PATIENCE, what="the robot in ROS")
             environment = os.environ | prepare.environment() | reach

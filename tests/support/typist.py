@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from tests.support.process_robot import PATIENCE, ProcessRobot
 from tests.support.terminals import Screen, screen
 
-KEYBOARD = [sys.executable, "-m", "giraff_keyboard"]
+KEYBOARD = [sys.executable, "-m", "giraff_node", "keyboard"]
 DRIVE = [sys.executable, "-m", "giraff_cli", "drive"]
 ARMED = "yours, armed"
 FREE = "nobody's: press an arrow"

@@ -41,7 +41,7 @@ class Bench:
         }
         self.log = directory / "gateway.log"
         with self.log.open("w") as log:
-            command = [sys.executable, "-m", "giraff_gateway"]
+            command = [sys.executable, "-m", "giraff_node", "gateway"]
             self.process = subprocess.Popen(command, env=environment, stderr=log)
         self.observer = Observer(environment)
         self.heard: list[SerialLine] = []

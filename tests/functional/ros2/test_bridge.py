@@ -130,7 +130,7 @@ def test_ros_sees_it_drives_it_and_stops_it_and_a_process_that_wakes_moves_nothi
         truth = Truth(observer)
         environment = command.environment | {"GIRAFF_ROS2_ROUTER": f"127.0.0.1:{port}"}
         log = end.enter_context((tmp_path / "ros2.log").open("w"))
-        words = [sys.executable, "-m", "giraff_ros2"]
+        words = [sys.executable, "-m", "giraff_node", "ros2"]
         bridge = end.enter_context(subprocess.Popen(words, env=environment, stderr=log))
         end.callback(bridge.terminate)
         wait(lambda: "in ROS's shell" in (tmp_path / "ros2.log").read_text(), PATIENCE, what="the robot in ROS")

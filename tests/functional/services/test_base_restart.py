@@ -64,7 +64,7 @@ class Base:
     def start(self) -> EStop:
         """Start; the emergency stop it tells of."""
         self._newest.clear()
-        self._children.start("base", "giraff_base", (), self._environment)
+        self._children.start("base", "giraff_node", ("base",), self._environment)
         self.wait(lambda: {TICK.key, ESTOP.key} <= self._newest.keys())
         return self.estop
 

@@ -21,7 +21,7 @@ def start(directory: Path, text: str) -> subprocess.Popen[str]:
     file.write_text("[router]\nsites = ['home', 'away']\n" + text)
     environment = {name: value for name, value in os.environ.items() if not name.startswith("GIRAFF_")}
     environment |= {"GIRAFF_CONFIG": str(file), "RUNTIME_DIRECTORY": str(directory)}
-    command = [sys.executable, "-m", "giraff_router"]
+    command = [sys.executable, "-m", "giraff_node", "router"]
     return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
 
 

@@ -36,7 +36,7 @@ class Sentry:
         self._log = directory / "log"
         with self._log.open("wb") as log:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "giraff_sentry"],
+                [sys.executable, "-m", "giraff_node", "sentry"],
                 env=os.environ | {"GIRAFF_CONFIG": str(directory / "robot.toml")},
                 stdout=subprocess.DEVNULL,
                 stderr=log,

@@ -93,7 +93,7 @@ def test_a_closed_terminal_shows(tmp_path: Path) -> None:
 
 def test_without_a_terminal_it_says_so() -> None:
     run = subprocess.run(
-        [sys.executable, "-m", "giraff_keyboard"],
+        [sys.executable, "-m", "giraff_node", "keyboard"],
         check=False,
         stdin=subprocess.DEVNULL,
         capture_output=True,

@@ -1,5 +1,0 @@
-import sys
-
-from giraff_node.start import start
-
-sys.exit(start("base"))

@@ -1,3 +1,0 @@
-from giraff_camera.main import main
-
-main()

@@ -1,3 +1,0 @@
-from giraff_door.main import main
-
-main()

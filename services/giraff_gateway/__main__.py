@@ -1,3 +1,0 @@
-from giraff_gateway.main import main
-
-main()

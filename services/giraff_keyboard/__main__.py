@@ -1,5 +1,0 @@
-import sys
-
-from giraff_keyboard.main import main
-
-sys.exit(main())

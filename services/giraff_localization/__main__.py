@@ -1,3 +1,0 @@
-from giraff_localization.main import main
-
-main()

@@ -1,3 +1,0 @@
-from giraff_recorder.main import main
-
-main()

@@ -1,3 +1,0 @@
-from giraff_ros2.main import main
-
-main()

@@ -1,3 +1,0 @@
-from giraff_router.main import main
-
-main()

@@ -1,3 +1,0 @@
-from giraff_sentry.main import main
-
-main()

@@ -1,3 +1,0 @@
-from giraff_vision.main import main
-
-main()

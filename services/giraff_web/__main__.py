@@ -1,3 +1,0 @@
-from giraff_web.main import main
-
-main()
