@@ -284,8 +284,7 @@ def _of_clocks(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[F
 def _of_versions(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[Finding]:
     by_version = {machine.version: {f"{machine.host} (this command)"}}
     for answer in answers:
-        running = answer.health.version
-        by_version.setdefault(running, set()).add(f"{answer.health.host} ({answer.health.service})")
+        by_version.setdefault(answer.health.version, set()).add(f"{answer.health.host} ({answer.health.service})")
     if len(by_version) > 1:
         told = "; ".join(f"{running} on {', '.join(sorted(where))}" for running, where in by_version.items())
         fix = "install the same version on all machines, and restart the services"
