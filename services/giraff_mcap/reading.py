@@ -29,7 +29,6 @@ from typing import IO, Any, Final
 import msgspec
 from mcap.records import Channel, Message
 
-from giraff_core.robot import RobotConfig
 from giraff_core.sensors import by_type
 from giraff_mcap.layout import DAMAGE, MAGIC, look_through, read_part, was_closed
 from giraff_mcap.raw_sample import Count, LossCounter, start_of
@@ -306,10 +305,8 @@ def is_whole(answer: ParamAnswer) -> bool:
 def put_params(tables: dict[str, Any], service: str, params: Iterable[Param]) -> None:
     """Set the values of parameters in the table of their service, and those of [robot] there."""
     for param in params:
-        if not param.name.startswith(_SHARED):
-            put(tables, (service, *param.name.split(".")), param.value)
-        elif (field := param.name.removeprefix(_SHARED)) in RobotConfig.__struct_fields__:
-            put(tables, ("robot", field), param.value)
+        path = param.name if param.name.startswith(_SHARED) else f"{service}.{param.name}"
+        put(tables, tuple(path.split(".")), param.value)
 
 
 def _why_another(number: str) -> str:

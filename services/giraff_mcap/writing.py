@@ -22,11 +22,42 @@ from mcap.writer import CompressionType, Writer
 
 from giraff_mcap.durable import DurableFile
 from giraff_mcap.raw_sample import Count, LossCounter, RawSample, start_of
-from giraff_mcap.schemas import ENCODING, name_of, schema_of
 from giraff_mcap.unread import Unread
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.text import plain
 from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
+
+ENCODING: Final = "jsonschema"
+
+
+def name_of(type_: type[msgspec.Struct]) -> str:
+    """As in the encoding that travels with each sample."""
+    return f"giraff.{type_.__name__}"
+
+
+def schema_of(type_: type[msgspec.Struct]) -> bytes:
+    """Return the JSON Schema of a message."""
+    _, components = msgspec.json.schema_components([type_])
+    return msgspec.json.encode(_plain(components[type_.__name__], components))
+
+
+def _plain(schema: dict[str, Any], components: dict[str, Any]) -> dict[str, Any]:
+    if "$ref" in schema:
+        return _plain(components[schema["$ref"].rpartition("/")[2]], components)
+    if "anyOf" in schema:
+        (only,) = (choice for choice in schema["anyOf"] if choice != {"type": "null"})
+        return _plain(only, components)
+    plain = {name: value for name, value in schema.items() if name not in {"prefixItems", "items", "required"}}
+    if "enum" in schema:
+        return {"type": "string", **plain}
+    if "prefixItems" in schema or schema.get("type") == "array":
+        return {**plain, "items": _plain((schema.get("prefixItems") or [schema["items"]])[0], components)}
+    if schema.get("type") == "object":
+        fields = {name: _plain(field, components) for name, field in schema.get("properties", {}).items()}
+        flat = {k: field for k, field in fields.items() if field.get("items", {}).get("type") != "array"}
+        return {**plain, "properties": flat}
+    return plain
+
 
 PROFILE: Final = "giraff"
 RAW: Final = "zenoh"

@@ -267,16 +267,15 @@ def _of_clocks(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[F
     worst: dict[str, HealthReply] = {}
     for answer in answers:
         before = worst.get(answer.health.host)
-        if answer.ahead is not None and (before is None or abs(answer.ahead) > abs(before.ahead or 0.0)):
+        if before is None or abs(answer.ahead) > abs(before.ahead):
             worst[answer.health.host] = answer
     for host, answer in worst.items():
-        ahead = answer.ahead or 0.0
-        if abs(ahead) - answer.uncertainty > CLOCKS_APART:
-            side = "ahead of" if ahead > 0 else "behind"
+        if abs(answer.ahead) - answer.uncertainty > CLOCKS_APART:
+            side = "ahead of" if answer.ahead > 0.0 else "behind"
             yield Finding(
                 severity="fault",
                 about="clock",
-                what=f"the clock of {host} is {abs(ahead):.1f} s {side} this machine's ({machine.host})",
+                what=f"the clock of {host} is {abs(answer.ahead):.1f} s {side} this machine's ({machine.host})",
                 fix="let both keep time by the network: timedatectl set-ntp true",
             )
 

@@ -120,8 +120,8 @@ class HealthReply(msgspec.Struct, frozen=True, kw_only=True):
     """A service that has told how it is."""
 
     health: Health
-    ahead: float | None
-    """s that its host's clock is before this one's; None: it does not tell."""
+    ahead: float
+    """s. Lead of its host's clock over this one's."""
     uncertainty: float = 0.0
     """s"""
 

@@ -87,7 +87,7 @@ class HealthClient:
 
     def _take(self, health: Health, asked_ns: int, now_ns: int) -> None:
         half = (now_ns - asked_ns) * 0.5e-9
-        ahead = (health.stamp_ns - asked_ns) * 1e-9 - half if health.stamp_ns else None
+        ahead = (health.stamp_ns - asked_ns) * 1e-9 - half
         before = self._best.get(health.instance)
         if before is None or half <= before.uncertainty:
             self._best[health.instance] = HealthReply(health=health, ahead=ahead, uncertainty=half)

@@ -10,15 +10,29 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.keys.bundle import bundle_text
+import tomlkit
+from cryptography import x509
+
 from giraff_cli.keys.status import Standing, State, authority_standing, host_standing, keys_command
 from giraff_cli.terminal.page import print_table
 from giraff_cli.terminal.text import json_line
-from giraff_keys.certificates import PROGRAM_MADE, CertificateError, addresses_of, new_authority, new_host
+from giraff_keys.certificates import PROGRAM_MADE, CertificateError, addresses_of, common_name, new_authority, new_host
 from giraff_keys.files import CA_KEY, KeyFileError, read_authority, read_certificate
 from giraff_keys.folder import holding, lay_down
 from giraff_keys.host_names import Address, require_address, require_name, without_local
 from giraff_node.network.key_bundle import BUNDLE_FILE, CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
+
+
+def bundle_text(certificate: x509.Certificate, made: datetime) -> str:
+    """What is in the `bundle.toml` of this certificate; giraff_node.network.key_bundle reads it."""
+    document = tomlkit.document()
+    document.add(tomlkit.comment("Written by `giraff keys`: who uses these keys, and until when. host.pem decides."))
+    document["name"] = common_name(certificate)
+    document["addresses"] = [str(address) for address in without_local(addresses_of(certificate))]
+    document["made"] = made
+    document["expires"] = certificate.not_valid_after_utc
+    return tomlkit.dumps(document)
+
 
 _DONE: Final = 0
 _TO_DO: Final = 1

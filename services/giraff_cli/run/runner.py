@@ -17,8 +17,8 @@ from typing import Any, Final
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.run.announcer import Announcer
+from giraff_cli.run.demonstration import DRIVES, FLAT, Demonstration
 from giraff_cli.run.driver import Driver
-from giraff_cli.run.joystick import Joystick
 from giraff_cli.run.page import CODE_KEY
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.processes import Ended
@@ -41,6 +41,40 @@ from giraff_schemas.topics import LEASE, LOCALIZATION_SET_POSE, POSE, TOPICS, TR
 from giraff_sim.control.client import SimulatorError
 from giraff_sim.world.room import read_room
 from giraff_telemetry.layout import Standing
+
+
+class Joystick:
+    """Times are monotonic, s."""
+
+    def __init__(self, robot: SimulatedRobot, *, is_driven: bool) -> None:
+        """`is_driven`: by the demonstration; else it lies flat all the time."""
+        self._robot = robot
+        self._demonstration = Demonstration()
+        self._grip = DRIVES if is_driven else FLAT
+        if not is_driven:
+            self._demonstration.end()
+
+    @property
+    def note(self) -> str:
+        """What a person is told of it; empty: nothing."""
+        return self._demonstration.note
+
+    def on_sample(self, sample: Sample, now: float) -> None:
+        """Take anything that is heard of the robot."""
+        self._demonstration.on_sample(sample, now)
+
+    def hold(self, now: float) -> None:
+        """Have it held as is due now. Raises SimulatorError."""
+        grip = self._demonstration.grip(now)
+        if grip != self._grip:
+            self._robot.hold_joystick(grip)
+            self._grip = grip
+
+    def lay_flat(self) -> None:
+        """For good. Raises SimulatorError."""
+        self._demonstration.end()
+        self.hold(0.0)
+
 
 _LOOK_EVERY: Final = 0.2  # s
 _SERVICES_WITHIN: Final = 20.0  # s

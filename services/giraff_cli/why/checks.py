@@ -91,8 +91,7 @@ def estop(chain: ChainState) -> Link:
     state = heard.sample
     if not state.engaged:
         return link_from("e-stop", "ok", heard, "released")
-    way_out = "" if state.reason.remedy else f"; {RESET_COMMAND}"
-    text = f"engaged by {state.by or 'nobody known'}: {state.reason}{way_out}, and hold the hand level"
+    text = f"engaged by {state.by or 'nobody known'}: {state.reason}, and hold the hand level"
     return link_from("e-stop", "STOPS", heard, text)
 
 

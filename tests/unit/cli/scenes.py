@@ -303,7 +303,7 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
             .put(topics.LEASE, lease("", ""), "g")
         ),
         "e-stop",
-        "engaged by ann@desk: smoke; giraff estop reset, and hold the hand level",
+        "engaged by ann@desk: smoke, and hold the hand level",
     ),
     "one of two bases stopped": (
         lambda s: s.put(topics.ESTOP, estop(engaged=True), "c"),

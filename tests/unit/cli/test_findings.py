@@ -50,7 +50,7 @@ MACHINE = Machine(host="pc", version="0.1.0-aa", interfaces=(UPLINK,), disks=(DI
 NETWORK = Network(robots=("anne",), door="10.71.1.9:7447", is_far=True, scouted=True, is_found=True)
 
 
-def answer(service: str, ahead: float | None = 0.0, **fields: Any) -> HealthReply:
+def answer(service: str, ahead: float = 0.0, **fields: Any) -> HealthReply:
     health = Health(
         service=service, instance=service, host="pc", pid=1, uptime=9.0, ok=True, faults=(), version="0.1.0-aa"
     )

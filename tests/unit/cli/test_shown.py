@@ -11,8 +11,7 @@ import msgspec
 import pytest
 from rich.console import Console
 
-from giraff_cli.run.line import line
-from giraff_cli.run.screen import Frame, view
+from giraff_cli.run.screen import Frame, line, view
 from giraff_cli.run.summary import BalanceSummary, Summary, summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunSnapshot, RunTelemetry
 from giraff_cli.terminal.screen import as_svg

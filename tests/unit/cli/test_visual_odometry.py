@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import msgspec
 
-from giraff_cli.run.line import line
+from giraff_cli.run.screen import line
 from giraff_cli.run.summary import to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_schemas import topics

@@ -15,8 +15,7 @@ from mcap.reader import make_reader
 from giraff_mcap import writing
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_mcap.schemas import schema_of
-from giraff_mcap.writing import RecordingWriter
+from giraff_mcap.writing import RecordingWriter, schema_of
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import OPERATOR_CMD_VEL, TOPICS, topic_of
 from tests.unit.mcap.recordings import ABOUT, ROBOT, heard, odometry, record, ten

@@ -8,7 +8,6 @@ import msgspec
 
 from giraff_base.drive import Answer
 from giraff_base.drives.balancer.config import BalancerConfig
-from giraff_base.drives.balancer.reports import attitude, wheels
 from giraff_base.drives.balancer.words import (
     AT_LIMIT,
     GETS_UP,
@@ -19,17 +18,20 @@ from giraff_base.drives.balancer.words import (
     latched_by,
     left_standing,
     lies,
+    posture,
     stopped_by,
     untouched,
 )
 from giraff_base.drives.dialogue import Dialogue
+from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import RobotTime, Sample, Side
+from giraff_schemas.messages import Attitude, RobotTime, Sample, Side, Wheels
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import ATTITUDE, WHEELS
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import DriveState, Frame
 from giraff_schemas.wires.balancer import (
+    DRIVER_FULL,
     BalanceAsk,
     BalanceDriveFrame,
     BalanceEngage,
@@ -40,6 +42,40 @@ from giraff_schemas.wires.balancer import (
     BalancePosture,
     BalanceSide,
 )
+
+_FULL_PWM: Final = 255
+
+
+def wheels(report: BalanceFrame, kinematics: DifferentialDrive, tick: RobotTime) -> Wheels:
+    """Return what the wheels do on the floor, without what they turn as the body leans."""
+    left, right = kinematics.wheel_speeds(report.speed_um_s * 1e-6, report.turn_urad_s * 1e-6)
+    return Wheels(
+        left_ticks=report.left_counts,
+        right_ticks=report.right_counts,
+        left_velocity=left,
+        right_velocity=right,
+        left_pwm_counts=round(report.left_command * _FULL_PWM / DRIVER_FULL),
+        right_pwm_counts=round(report.right_command * _FULL_PWM / DRIVER_FULL),
+        board_us=report.board_us,
+        boot_id=report.boot_id,
+        tick=tick,
+    )
+
+
+def attitude(report: BalanceFrame, pivot: float, tick: RobotTime) -> Attitude:
+    """Return how the robot holds itself. `pivot`: m of its axle above the floor."""
+    return Attitude(
+        lean=report.lean_urad * 1e-6,
+        rate=report.rate_urad_s * 1e-6,
+        accelerometer_lean=report.accelerometer_urad * 1e-6,
+        trim=report.trim_urad * 1e-6,
+        torque=report.torque_mnm * 1e-3,
+        posture=posture(report),
+        cause=cause(report).what,
+        tick=tick,
+        pivot=pivot,
+    )
+
 
 _LEAST_SPEED: Final = 0.005  # m/s: less is the end of a slowing down, and no drive
 _TAKEN: Final = 0.1  # rad, 6 degrees: on its friction alone it stands up to 4

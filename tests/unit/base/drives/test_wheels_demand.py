@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_base.drives.wheels.demand import WheelDemand
-from giraff_base.ramp import Ramp, ramped
+from giraff_base.drives.wheels.drive import WheelDemand
+from giraff_base.policy import Ramp, ramped
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from tests.support.robots import BASE, BY_SPEED, DRIVE
