@@ -39,10 +39,6 @@ class Stops:
         self._stops: list[Stop] = []
         self._changed_us = -TWO_US  # when one that applied ended
 
-    @property
-    def any_in_force(self) -> bool:
-        return bool(self._stops)
-
     def begin(self, stop: Stop) -> None:
         self._stops.append(stop)
 
