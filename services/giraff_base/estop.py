@@ -82,12 +82,7 @@ class EStopControl:
 
     def answer(self, why_not: Trouble = WELL) -> EStopAnswer:
         """`why_not`: what was asked is not done, and why."""
-        return EStopAnswer(
-            done=not why_not,
-            engaged=self.latch.engaged,
-            id=self.latch.id,
-            reason=why_not,
-        )
+        return EStopAnswer(done=not why_not, engaged=self.latch.engaged, id=self.latch.id, reason=why_not)
 
     def sample(self) -> EStop:
         """Return what there is to tell. It is asked for in each turn, and changes seldom."""

@@ -36,7 +36,13 @@ def name_of(type_: type[msgspec.Struct]) -> str:
 
 
 def schema_of(type_: type[msgspec.Struct]) -> bytes:
-    """Return the JSON Schema of a message."""
+    """Return the JSON Schema of a message, in the plain form that Foxglove takes.
+
+    Its parser wants a `type` at each field: it knows neither `$ref` nor `anyOf`, an `enum` only beside a type, and an
+    array by one type of its items, which is no array. So what is referred to stands where it is used, and a field that
+    may be null has the type that it has when it is not. A field that is an array of arrays is left out: with it,
+    Foxglove would refuse the whole key. The data have it all the same.
+    """
     _, components = msgspec.json.schema_components([type_])
     return msgspec.json.encode(_plain(components[type_.__name__], components))
 

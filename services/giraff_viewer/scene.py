@@ -37,7 +37,10 @@ _KEPT: Final = 100  # odometry samples: a second, more than a true pose is late
 
 
 class Ghost:
-    """Compares both at the same moment: they are not heard at the same one, and the robot drives between."""
+    """Compares where a simulated robot truly is with where odometry has it, both of the same moment.
+
+    They are not heard at the same one, and the robot drives between.
+    """
 
     def __init__(self) -> None:
         self._samples: deque[Odometry] = deque(maxlen=_KEPT)

@@ -41,11 +41,8 @@ def _tell(console: Console, outcome: Outcome) -> None:
     console.print(f"\nseed {outcome.seed}: {outcome.path:.2f} m driven, {outcome.contacts} contacts", style="bold")
     for line in outcome.story:
         console.print(line, style="red" if "VIOLATION" in line else None, markup=False, soft_wrap=True)
-    console.print(
-        f"motion {outcome.motion_digest}, story {outcome.story_digest}; "
-        f"again with: giraff dst --seeds 1 --seed {outcome.seed}",
-        soft_wrap=True,
-    )
+    digests = f"motion {outcome.motion_digest}, story {outcome.story_digest}"
+    console.print(f"{digests}; again with: giraff dst --seeds 1 --seed {outcome.seed}", soft_wrap=True)
 
 
 def _sum_up(console: Console, totals: Totals, seconds: float) -> None:

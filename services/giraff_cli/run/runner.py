@@ -44,7 +44,7 @@ from giraff_telemetry.layout import Standing
 
 
 class Joystick:
-    """Times are monotonic, s."""
+    """Holds the joystick of a run: by the demonstration as long as nobody else drives. Times are monotonic, s."""
 
     def __init__(self, robot: SimulatedRobot, *, is_driven: bool) -> None:
         """`is_driven`: by the demonstration; else it lies flat all the time."""

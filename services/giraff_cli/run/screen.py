@@ -23,7 +23,7 @@ from giraff_telemetry.visual_odometry import visual_text
 
 
 def line(snapshot: RunSnapshot, elapsed: float) -> str:
-    """`elapsed`: s since the run began."""
+    """Return a run in one line, for where there is no terminal. `elapsed`: s since the run began."""
     truth, pose = snapshot.truth, snapshot.true_pose or Pose(0.0, 0.0, 0.0)
     parts = [
         f"{elapsed:6.1f} s",

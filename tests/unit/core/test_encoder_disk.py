@@ -6,7 +6,7 @@ import pytest
 
 from giraff_core.encoder.disk import LONGEST, Disk, drawing, read_pattern
 from giraff_core.encoder.pattern import Pattern
-from giraff_sim.bodies.kinds import mirrored, read_disk
+from giraff_sim.bodies.encoder_disk import mirrored, read_disk
 
 SECTORS = [line for line in drawing(Disk()).splitlines(keepends=True) if line.endswith('Z" fill="#000"/>\n')]
 """The black ones: 40 of the outer ring, then 40 of the inner one."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 
-from giraff_node.network.decode_errors import MOST, DecodeErrors
+from giraff_node.network.subscription import MOST, DecodeErrors
 from giraff_schemas.trouble import Trouble
 
 PATTERN = "giraff/sim-test/range/*"
