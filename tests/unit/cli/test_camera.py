@@ -26,7 +26,7 @@ from giraff_schemas.messages import Tick
 from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE, TICK
 from giraff_schemas.trouble import WELL, Trouble
 from tests.unit.cli.samples import at, camera
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ROBOT, record
 
 
@@ -153,10 +153,8 @@ def test_no_picture_is_recorded_that_was_not_asked_for(pattern: str) -> None:
 
 
 @pytest.mark.parametrize("verb", ["echo", "hz", "bw"])
-def test_no_tool_listens_to_a_picture_that_it_has_not_asked_for(
-    verb: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    code, _, complaint = typed(monkeypatch, capsys, "topic", verb, "camera/head/@full")
+def test_no_tool_listens_to_a_picture_that_it_has_not_asked_for(verb: str, giraff: Giraff) -> None:
+    code, _, complaint = giraff("topic", verb, "camera/head/@full")
     assert code == 2
     assert "pictures must be asked for: giraff camera view" in complaint
 

@@ -13,7 +13,7 @@ import tomlkit
 from giraff_cli.commission.steps import STEPS
 from giraff_core.robot import WIRING
 from giraff_sim.board import ROOT
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff, typed
 
 STOCK = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
 TITLES = [step.title for step in STEPS]
@@ -51,14 +51,14 @@ def test_the_page_has_the_steps_in_their_order() -> None:
 
 
 def test_what_is_left_is_told_until_the_file_has_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(STOCK, encoding="utf-8")
     code, told, _ = standings(path, monkeypatch, capsys)
     assert (code, list(told)) == (1, TITLES)
     assert "done" not in told.values()
-    _, out, _ = typed(monkeypatch, capsys, "commission", "--file", str(path))
+    _, out, _ = giraff("commission", "--file", str(path))
     assert f"{path}: 7 left. Next: how the wheels are wired, by giraff check wheels." in " ".join(out.split())
 
     path.write_text(tomlkit.dumps(done()), encoding="utf-8")
@@ -139,14 +139,12 @@ def test_a_file_that_says_nothing_of_the_drive_hides_no_step(
     assert "done" not in told.values()
 
 
-def test_a_file_that_is_none_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_is_none_is_named(tmp_path: Path, giraff: Giraff) -> None:
     path = tmp_path / "robot.toml"
     for text in ("[robot\n", None):
         path.unlink(missing_ok=True)
         if text is not None:
             path.write_text(text, encoding="utf-8")
-        code, out, err = typed(monkeypatch, capsys, "commission", "--file", str(path))
+        code, out, err = giraff("commission", "--file", str(path))
         assert (code, out) == (2, "")
         assert str(path) in err

@@ -13,12 +13,10 @@ from giraff_cli.doctor.findings import Finding, Severity
 from giraff_cli.keys.manage import make_authority, make_bundle
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 
-def test_a_certificate_that_has_expired(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_certificate_that_has_expired(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff) -> None:
     now = datetime.now(UTC)
     make_authority(tmp_path / "keys", now - timedelta(days=100))
     make_bundle(tmp_path / "keys", "old", ("192.0.2.1",), days=30, renew=False, moment=now - timedelta(days=60))
@@ -29,7 +27,7 @@ def test_a_certificate_that_has_expired(
     monkeypatch.setenv("GIRAFF_CONFIG", str(access))
     monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
     meet(monkeypatch)
-    code, out, _ = typed(monkeypatch, capsys, "doctor", "--robot", "sim-far")
+    code, out, _ = giraff("doctor", "--robot", "sim-far")
     assert code == 1
     [number] = [number for number, line in enumerate(out.splitlines()) if line.startswith("FAULT    certificates: ")]
     fault = " ".join(out.splitlines()[number : number + 2])

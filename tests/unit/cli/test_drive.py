@@ -39,7 +39,7 @@ from giraff_web.messages import on_page
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT
 from tests.unit.cli.samples import SENSORS, base, estop, guard, odometry, reading, verdict
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 from tests.unit.keyboard.keyboards import Person
 
 PICTURE = ROOT / "docs" / "pictures" / "drive.svg"
@@ -317,12 +317,12 @@ def test_limits_that_cannot_be_are_refused_with_the_way_out(name: str, value: An
     ("is_terminal", "kind", "says"), [(False, "xterm", "start it in one, without a pipe"), (True, "dumb", "it is dumb")]
 )
 def test_without_a_terminal_it_says_so_and_asks_nobody(
-    is_terminal: bool, kind: str, says: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    is_terminal: bool, kind: str, says: str, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     monkeypatch.setattr(main, "in_terminal", lambda: is_terminal)
     monkeypatch.setattr(operate, "run_with_robot", None)
     monkeypatch.setenv("TERM", kind)
-    code, out, err = typed(monkeypatch, capsys, "drive")
+    code, out, err = giraff("drive")
     assert (code, out) == (2, "")
     assert says in err
 

@@ -15,10 +15,10 @@ import pytest
 
 from giraff_client import NoRobotError, Robot
 from giraff_node.network import consent
-from giraff_node.network.discovery import Target, choose, simulated_name
+from giraff_node.network.discovery import Target, simulated_name
 from giraff_node.network.tokens import Token, robots_of
 from giraff_schemas.topics import alive_key
-from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.quiet_network import alone, meet
 from tests.unit.cli.test_refusal import WORDS, with_session
 from tests.unit.cli.typed import typed
 
@@ -74,10 +74,7 @@ class Said(NamedTuple):
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Host:
     """In an empty folder, without a terminal."""
-    monkeypatch.chdir(tmp_path)
-    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
+    alone(monkeypatch, tmp_path)
     return Host(monkeypatch, capsys, tmp_path)
 
 
@@ -85,63 +82,55 @@ NOBODY: tuple[str, ...] = ()
 
 
 @pytest.mark.parametrize(
-    ("there", "file", "asked", "told"),
+    ("verb", "there", "file", "asked", "told"),
     [
-        (NOBODY, "", "", "no robot is heard on the network"),
-        (NOBODY, REAL, "", f"{FILE} names {REAL}"),
-        ((OWN,), "", OWN, ""),
-        ((OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is not heard; this is {OWN}"),
-        ((OTHER,), "", OTHER, ""),
-        ((REAL,), "", REAL, ""),
-        ((OWN, OTHER), REAL, "", f"{REAL}, which {FILE} names, is not heard\n"),
-        ((REAL,), REAL, REAL, ""),
-        ((OWN, REAL), REAL, REAL, ""),
-        ((OWN, REAL), "", "", f"name one: --robot {REAL}, --robot {OWN} (or GIRAFF_ROBOT_NAME)"),
-        ((OWN, REAL), OTHER, "", f"name one: --robot {REAL}, --robot {OWN} (or GIRAFF_ROBOT_NAME)"),
+        (LOOKS, NOBODY, "", "", "no robot is heard on the network"),
+        (LOOKS, NOBODY, REAL, "", f"{FILE} names {REAL}"),
+        (LOOKS, (OWN,), "", OWN, ""),
+        (LOOKS, (OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is not heard; this is {OWN}"),
+        (LOOKS, (OTHER,), "", OTHER, ""),
+        (LOOKS, (REAL,), "", REAL, ""),
+        (LOOKS, (OWN, OTHER), REAL, "", f"{REAL}, which {FILE} names, is not heard\n"),
+        (LOOKS, (REAL,), REAL, REAL, ""),
+        (LOOKS, (OWN, REAL), REAL, REAL, ""),
+        (LOOKS, (OWN, REAL), "", "", f"name one: --robot {REAL}, --robot {OWN} (or GIRAFF_ROBOT_NAME)"),
+        (LOOKS, (OWN, REAL), OTHER, "", f"name one: --robot {REAL}, --robot {OWN} (or GIRAFF_ROBOT_NAME)"),
+        (MOVES, NOBODY, "", "", "no robot is heard on the network"),
+        (MOVES, (OWN,), "", OWN, ""),
+        (MOVES, (OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is not heard; this is {OWN}"),
+        (MOVES, (OTHER,), "", "", f"{OTHER}, on an unknown host, is not the simulation of this host"),
+        (MOVES, (REAL,), "", "", f"if it is meant: giraff estop reset --robot {REAL}"),
+        (MOVES, (REAL,), REAL, "", f"if it is meant: giraff estop reset --robot {REAL}"),
+        (MOVES, (OWN, REAL), REAL, "", f"if it is meant: giraff estop reset --robot {REAL}"),
+        (MOVES, (OWN, REAL), "", "", "several robots are on the network"),
+        (STOPS, NOBODY, "", "", "NOTHING IS STOPPED: no robot is heard; use the battery switch"),
+        (STOPS, NOBODY, REAL, "", f"{REAL}, which {FILE} names, is NOT HEARD and was not stopped"),
+        (STOPS, (OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is NOT HEARD and was not stopped"),
+        (STOPS, (REAL, OTHER, OWN), REAL, f"{REAL} {OTHER} {OWN}", f"{OTHER}: NOT CONFIRMED"),
     ],
 )
-def test_what_only_looks_takes_the_robot_that_is_there(
-    host: Host, there: tuple[str, ...], file: str, asked: str, told: str
+def test_what_looks_takes_who_is_there_what_moves_this_hosts_simulation_and_a_stop_goes_to_every_robot(
+    host: Host,
+    monkeypatch: pytest.MonkeyPatch,
+    verb: tuple[str, ...],
+    there: tuple[str, ...],
+    file: str,
+    asked: str,
+    told: str,
 ) -> None:
-    if file:
-        host.with_file(file)
-    said = host.beside(*there).types(*LOOKS)
-    assert (said.code, said.asked) == (2, asked)
-    assert told in said.complaint
-
-
-@pytest.mark.parametrize(
-    ("there", "file", "asked", "told"),
-    [
-        (NOBODY, "", "", "no robot is heard on the network"),
-        ((OWN,), "", OWN, ""),
-        ((OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is not heard; this is {OWN}"),
-        ((OTHER,), "", "", f"{OTHER}, on an unknown host, is not the simulation of this host"),
-        ((REAL,), "", "", f"if it is meant: giraff estop reset --robot {REAL}"),
-        ((REAL,), REAL, "", f"if it is meant: giraff estop reset --robot {REAL}"),
-        ((OWN, REAL), REAL, "", f"if it is meant: giraff estop reset --robot {REAL}"),
-        ((OWN, REAL), "", "", "several robots are on the network"),
-    ],
-)
-def test_what_moves_starts_by_itself_only_with_the_simulation_of_this_host(
-    host: Host, monkeypatch: pytest.MonkeyPatch, there: tuple[str, ...], file: str, asked: str, told: str
-) -> None:
+    """By itself, as nobody has named one."""
     monkeypatch.setattr("shutil.which", lambda name: name)  # it is on the path
     if file:
         host.with_file(file)
-    said = host.beside(*there).types(*MOVES)
-    assert (said.code, said.asked) == (2, asked)
+    said = host.beside(*there).types(*verb)
+    assert (said.code, sorted(said.asked.split())) == (2, sorted(asked.split()))
     assert told in said.complaint
 
 
 @pytest.mark.parametrize(
     "verb", [MOVES, ("drive",), ("param", "set", "guard.margin", "0.3"), ("param", "save", "guard")]
 )
-def test_nothing_is_moved_released_or_set_of_a_robot_that_nobody_has_named(
-    host: Host, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...]
-) -> None:
-    monkeypatch.setattr("giraff_keyboard.main.in_terminal", lambda: True)
-    monkeypatch.setenv("TERM", "xterm")
+def test_nothing_is_moved_released_or_set_of_a_robot_that_nobody_has_named(host: Host, verb: tuple[str, ...]) -> None:
     said = host.beside(OTHER).types(*verb)
     assert said.code == 2
     assert "nobody has named it" in said.complaint
@@ -201,21 +190,9 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
 ) -> None:
     """A page stays until the robot is there, a calibration goes into its file, and doctor judges the robot itself."""
     strict = {
-        "stop",
-        "estop engage",
-        "estop reset",
-        "estop status",
-        "web",
-        "ros2",
-        "calibrate camera",
-        "calibrate odometry",
-        "calibrate ranger",
-        "tune speed",
-        "doctor",
-        "topic pub",
-        "play",
+        *("stop", "estop engage", "estop reset", "estop status", "web", "ros2", "doctor", "topic pub", "play"),
+        *("calibrate camera", "calibrate odometry", "calibrate ranger", "tune speed", "param set", "param save"),
     }
-    strict |= {"param set", "param save"}
     asked: list[Target] = []
 
     def stand_in(_: object, way: Target) -> Never:
@@ -227,11 +204,8 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
             act(SimpleNamespace(session=None, robot=REAL))
         return 2
 
-    monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr("giraff_cli.network.command.stand_in", stand_in)
     monkeypatch.setattr("giraff_cli.network.command.visit", visit)
-    for where in ("cli.record.recorder.lower_priority", "keyboard.main.in_terminal"):
-        monkeypatch.setattr(f"giraff_{where}", lambda: True)
     host.beside(OWN).types(*command.split(), *WORDS.get(command, ()))
     assert bool(asked) == (command not in strict)
 
@@ -270,25 +244,6 @@ def test_a_person_who_ends_it_at_the_question_has_chosen_nothing(host: Host, mon
     said = host.types(*MOVES)
     assert (said.code, said.asked) == (2, "")
     assert "nothing was done" in said.complaint
-
-
-@pytest.mark.parametrize(
-    ("there", "file", "asked", "told"),
-    [
-        (NOBODY, "", "", "NOTHING IS STOPPED: no robot is heard; use the battery switch"),
-        (NOBODY, REAL, "", f"{REAL}, which {FILE} names, is NOT HEARD and was not stopped"),
-        ((OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is NOT HEARD and was not stopped"),
-        ((REAL, OTHER, OWN), REAL, f"{REAL} {OTHER} {OWN}", f"{OTHER}: NOT CONFIRMED"),
-    ],
-)
-def test_a_stop_that_names_nobody_goes_to_every_robot(
-    host: Host, there: tuple[str, ...], file: str, asked: str, told: str
-) -> None:
-    if file:
-        host.with_file(file)
-    said = host.beside(*there).types(*STOPS)
-    assert (said.code, sorted(said.asked.split())) == (2, sorted(asked.split()))
-    assert told in said.complaint
 
 
 @pytest.mark.parametrize(
@@ -345,8 +300,3 @@ def test_a_keyboard_or_a_recorder_is_no_robot() -> None:
     tokens = [Token(REAL, "keyboard", "1"), Token(OTHER, "recorder", "2")]
     assert robots_of([*tokens, Token(OWN, "guard", "3")]) == [OWN]
     assert robots_of(tokens) == [REAL, OTHER]
-
-
-def test_the_robot_of_the_folder_counts_where_it_is_heard() -> None:
-    assert choose([OWN, REAL], REAL).robot == REAL
-    assert choose([OWN, REAL], OTHER).robot == ""

@@ -15,7 +15,7 @@ from giraff_cli.tune.balance import STEP, respond_to_step
 from giraff_cli.tune.gains import gains_of, sampled
 from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 
 def of_the_file() -> BalancerConfig:
@@ -67,12 +67,10 @@ def test_gains_without_place_and_speed_are_judged_by_the_lean_alone() -> None:
     assert not Loop(mechanics, Gains(744.0, 10.0, 0.0, 0.0)).has_margin
 
 
-def test_the_command_tells_the_gains_their_margin_and_how_to_try_them(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_the_command_tells_the_gains_their_margin_and_how_to_try_them(giraff: Giraff, tmp_path: Path) -> None:
     text = (ROOT / "deploy" / "robots" / "balancer.toml").read_text(encoding="utf-8")
     (other := tmp_path / "robot.toml").write_text(text.replace("k1 = 744.0", "k1 = 150.0"), encoding="utf-8")
-    code, out, _ = typed(monkeypatch, capsys, "tune", "balance", "--file", str(other))
+    code, out, _ = giraff("tune", "balance", "--file", str(other))
     assert code == 0, "a file that base refuses is what it mends"
     assert "computed: it stands with all four times 0.19 to 10, 0.19 to 6.1, 0.19 to 4.3 at 1, 2, 3 periods" in out
     assert "a step of 5 cm: it stays within 5 mm after 2.8 s, leans by 0.5 degrees and takes 6.7 N m at most" in out
@@ -83,7 +81,7 @@ def test_the_command_tells_the_gains_their_margin_and_how_to_try_them(
         (ROOT / "deploy" / "robot.toml", "drive.type is 'wheels'"),
         (tmp_path / "none.toml", "no robot file"),
     ):
-        code, _, complaint = typed(monkeypatch, capsys, "tune", "balance", "--file", str(wrong))
+        code, _, complaint = giraff("tune", "balance", "--file", str(wrong))
         assert code == 2
         assert told in complaint
 

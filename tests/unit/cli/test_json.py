@@ -14,7 +14,7 @@ from giraff_cli.terminal.document import Report, print_report
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.test_any_command import whole_commands
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 BALANCER = str(ROOT / "deploy" / "robots" / "balancer.toml")
 ROOM = str(ROOT / "deploy" / "worlds" / "living_room.toml")
@@ -49,12 +49,12 @@ def test_it_is_one_document(
     told: dict[str, object],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    giraff: Giraff,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("GIRAFF_CONFIG", raising=False)
     meet(monkeypatch)
-    ended, out, _ = typed(monkeypatch, capsys, *words, "--json")
+    ended, out, _ = giraff(*words, "--json")
     assert ended == code
     assert json.loads(out).items() >= told.items()
 

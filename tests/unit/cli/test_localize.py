@@ -36,7 +36,7 @@ from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 NAME = "sim-here"
 HERE = Pose(1.5, -2.2, math.pi / 2)
@@ -44,7 +44,7 @@ HERE = Pose(1.5, -2.2, math.pi / 2)
 
 @pytest.mark.parametrize("more", [(), ("--from", "drive.mcap")])
 def test_a_map_that_cannot_be_used_is_told_before_anybody_is_asked(
-    more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     def torn(path: Path) -> None:
         raise MapError(f"{path}: torn; copy it again")
@@ -52,17 +52,17 @@ def test_a_map_that_cannot_be_used_is_told_before_anybody_is_asked(
     monkeypatch.setattr(giraff_cli.localize.serve, "read_map", torn)
     monkeypatch.setattr("giraff_cli.localize.offline.read_map", torn)
     network = meet(monkeypatch)
-    done = typed(monkeypatch, capsys, "localize", "--map", "hall.toml", *more)
+    done = giraff("localize", "--map", "hall.toml", *more)
     assert done == (2, "", "giraff: hall.toml: torn; copy it again\n")
     assert network.opened == 0
 
 
 @pytest.mark.parametrize(("library", "more"), [("numpy", ()), ("mcap", ("--from", "drive.mcap"))])
 def test_a_library_that_is_missing_is_told(
-    library: str, more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    library: str, more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     monkeypatch.setattr("giraff_cli.options.find_spec", lambda name: None if name == library else object())
-    code, out, complaint = typed(monkeypatch, capsys, "localize", "--map", "hall.toml", *more)
+    code, out, complaint = giraff("localize", "--map", "hall.toml", *more)
     assert (code, out) == (2, "")
     assert complaint.startswith(f"giraff localize: the library {library} is missing; in the clone: ")
 

@@ -26,7 +26,7 @@ from giraff_sim.world.room import Room, read_room
 from tests.rules.repository import ROOT
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import MS, at, base, odometry, reading
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ABOUT
 
 ROOM = ROOT / "deploy" / "worlds" / "living_room.toml"
@@ -179,11 +179,9 @@ def follower(monkeypatch: pytest.MonkeyPatch) -> Follower:
     return policy
 
 
-def test_a_recording_is_summed_up(
-    recording: Path, follower: Follower, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_recording_is_summed_up(recording: Path, follower: Follower, giraff: Giraff) -> None:
     words = ("localize", "--from", str(recording), "--map", str(ROOM))
-    code, out, complaint = typed(monkeypatch, capsys, *words)
+    code, out, complaint = giraff(*words)
     assert (code, complaint) == (0, "")
     assert "of sim-test, 4.0 s, " in out
     assert "times faster than real time" in out
@@ -191,7 +189,7 @@ def test_a_recording_is_summed_up(
     assert "localized at x 3.50 y 2.23 m, 0.0°" in out
     assert "0.030 m, 0.0° median" in out
     assert follower.heard.count("odom") == 401
-    code, out, complaint = typed(monkeypatch, capsys, *words, "--at", "1.5,2.2,0deg", "--json")
+    code, out, complaint = giraff(*words, "--at", "1.5,2.2,0deg", "--json")
     assert (code, complaint) == (0, "")
     told = json.loads(out)
     assert (told["robot"], told["way_m"], told["doubt"]) == ("sim-test", 2.0, "")
@@ -200,24 +198,20 @@ def test_a_recording_is_summed_up(
 
 
 def test_a_map_without_room_for_the_robot_is_none(
-    recording: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    recording: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     monkeypatch.setattr(it, "read_map", lambda path: FloorPlan(path.stem, BOX[:1]))
-    code, out, complaint = typed(monkeypatch, capsys, "localize", "--from", str(recording), "--map", str(ROOM))
+    code, out, complaint = giraff("localize", "--from", str(recording), "--map", str(ROOM))
     assert (code, out) == (2, "")
     assert complaint.startswith(f"giraff: {ROOM}: ")
     assert "no room for a robot" in complaint
 
 
 def test_without_a_room_the_truth_is_left_out(
-    recording: Path,
-    follower: Follower,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
+    recording: Path, follower: Follower, giraff: Giraff, tmp_path: Path
 ) -> None:
     del follower
-    code, out, _ = typed(monkeypatch, capsys, "localize", "--from", str(recording), "--map", str(tmp_path / "x.yaml"))
+    code, out, _ = giraff("localize", "--from", str(recording), "--map", str(tmp_path / "x.yaml"))
     assert code == 0
     assert "off by" not in out
     assert "truth  not told: this map does not say where a run starts on it" in out
@@ -225,44 +219,34 @@ def test_without_a_room_the_truth_is_left_out(
 
 @pytest.mark.parametrize("as_json", [(), ("--json",)])
 def test_a_place_that_is_refused_is_no_summary(
-    as_json: tuple[str, ...],
-    recording: Path,
-    follower: Follower,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    as_json: tuple[str, ...], recording: Path, follower: Follower, giraff: Giraff
 ) -> None:
     follower.refuses = "that is in a wall"
     words = ("--from", str(recording), "--map", str(ROOM), "--at", "1,2,3rad")
-    assert typed(monkeypatch, capsys, "localize", *words, *as_json) == (1, "", "giraff: --at: that is in a wall\n")
+    assert giraff("localize", *words, *as_json) == (1, "", "giraff: --at: that is in a wall\n")
 
 
-def test_a_recording_without_odometry_says_so(
-    follower: Follower, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_recording_without_odometry_says_so(follower: Follower, giraff: Giraff, tmp_path: Path) -> None:
     del follower
     path = tmp_path / "base.mcap"
     with RecordingWriter(path, ABOUT | {"tables": json.dumps({"robot": robot_table()})}) as writer:
         sample = encode(stamped(base(), 0, 0, "b"))
         writer.add([RawSample(MS, key_of("sim-test", BASE), sample, str(encoding_of(BASE.schema)))])
         writer.close("test")
-    code, out, complaint = typed(monkeypatch, capsys, "localize", "--from", str(path), "--map", str(ROOM))
+    code, out, complaint = giraff("localize", "--from", str(path), "--map", str(ROOM))
     assert (code, out) == (2, "")
     assert "it has no odom, and so no way; record with odom and range/*" in complaint
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n torn", None])
 def test_a_file_that_is_no_recording_is_one_line(
-    content: bytes | None,
-    follower: Follower,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
+    content: bytes | None, follower: Follower, giraff: Giraff, tmp_path: Path
 ) -> None:
     del follower
     path = tmp_path / "drive.mcap"
     if content is not None:
         path.write_bytes(content)
-    code, out, complaint = typed(monkeypatch, capsys, "localize", "--from", str(path), "--map", str(ROOM))
+    code, out, complaint = giraff("localize", "--from", str(path), "--map", str(ROOM))
     assert (code, out) == (2, "")
     [line] = complaint.splitlines()
     assert str(path) in line

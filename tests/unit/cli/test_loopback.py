@@ -13,7 +13,7 @@ from giraff_node.network.discovery import not_found_text
 from giraff_node.network.host_addresses import loopback_fault
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import alone, meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 DOWN = "this host's loopback is down"
 UP = "type: sudo ip link set lo up"
@@ -24,18 +24,16 @@ class Unplugged(socket.socket):
         return errno.ENETUNREACH
 
 
-def test_it_is_named_at_once(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_it_is_named_at_once(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path) -> None:
     alone(monkeypatch, tmp_path)
     network = meet(monkeypatch)
     assert not loopback_fault()
     monkeypatch.setattr(socket, "socket", Unplugged)
     robot_file = str(ROOT / "deploy" / "robot.toml")
-    code, out, told = typed(monkeypatch, capsys, "run", "--file", robot_file, "--boards", "host", "--for", "1")
+    code, out, told = giraff("run", "--file", robot_file, "--boards", "host", "--for", "1")
     assert (code, out, network.opened) == (2, "", 0)
     assert told == f"giraff run: {DOWN}, where the robot's parts meet; {UP}\n"
     assert not_found_text("otto", ()) == f"no robot called otto is heard on the network; {DOWN}; {UP}"
-    _, out, _ = typed(monkeypatch, capsys, "doctor")
+    _, out, _ = giraff("doctor")
     assert f"no robot is heard: {DOWN}" in out
     assert f"-> {UP}" in out

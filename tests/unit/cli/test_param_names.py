@@ -12,7 +12,7 @@ from giraff_cli.param import client
 from giraff_schemas.params import Param, ParamAnswer
 from giraff_schemas.topics import alive_key
 from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 VALUES: Mapping[str, Mapping[str, Any]] = {
     "guard": {"margin": 0.25, "release": 2, "robot.track_width": 0.5},
@@ -55,24 +55,24 @@ def answer(service: str) -> ParamAnswer:
     ids=lambda each: " ".join(each) if isinstance(each, tuple) else "",
 )
 def test_what_is_meant_is_told(
-    words: tuple[str, ...], told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    words: tuple[str, ...], told: str, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     def ask(_connection: Any, _query: Any, requests: Iterable[str], _patience: float) -> dict[str, ParamAnswer]:
         return {service: answer(service) for service in requests}
 
     monkeypatch.setattr(client, "_ask", ask)
     meet(monkeypatch, *(alive_key("sim-test", service, service) for service in VALUES))
-    code, out, complaint = typed(monkeypatch, capsys, "param", *words, "--robot", "sim-test")
+    code, out, complaint = giraff("param", *words, "--robot", "sim-test")
     assert told in out + complaint
     assert (code, bool(out), complaint.count("\n")) == ((0, True, 0) if out else (2, False, 1))
 
 
 @pytest.mark.parametrize(("mistyped", "code"), [(True, 2), (False, 1)])
 def test_nothing_is_tried_with_what_is_mistyped(
-    mistyped: bool, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    mistyped: bool, code: int, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     said = msgspec.structs.replace(answer("guard"), done=False, reason="no", params=(), mistyped=mistyped)
     monkeypatch.setattr(client, "_ask", lambda *_: {"guard": said})
     meet(monkeypatch, alive_key("sim-test", "guard", "guard"))
     for words in (("set", "guard.margin", "30cm"), ("save", "guard.marign")):
-        assert typed(monkeypatch, capsys, "param", *words, "--robot", "sim-test") == (code, "", "giraff: no\n")
+        assert giraff("param", *words, "--robot", "sim-test") == (code, "", "giraff: no\n")

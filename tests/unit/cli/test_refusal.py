@@ -6,65 +6,33 @@ obey, and confirm, in its place.
 
 from __future__ import annotations
 
-import gc
 from pathlib import Path
 from typing import Any, Never
 
 import pytest
-import typer.main
 import zenoh
 
-import giraff_cli.record.recorder
-import giraff_keyboard.main
-from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import resolve_target
 from giraff_schemas.services import ROBOT_TABLES
 from tests.rules.repository import ROOT
-from tests.unit.cli.typed import typed
+from tests.unit.cli.quiet_network import alone
+from tests.unit.cli.test_any_command import ASKING, DRIVE, ROBOTLESS, whole_commands
+from tests.unit.cli.typed import Giraff
 
-DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
 WORDS: dict[str, tuple[str, ...]] = {
-    "topic info": ("odom",),
-    "topic echo": ("odom",),
+    **ASKING,
     "topic pub": ("battery", '{"voltage": 24.1}'),
-    "node info": ("base",),
-    "param get": ("guard.margin",),
-    "param describe": ("guard.margin",),
-    "param set": ("guard.margin", "0.25"),
-    "param save": ("guard.margin",),
-    "odom set": ("-1,0,-1.57rad",),
-    "move": ("-0.5",),
-    "turn": ("180deg",),
-    "arc": ("0.5", "-90deg"),
-    "go": (str(Path("deploy/patterns/square.toml").absolute()),),
-    "play": (DRIVE,),
-    "camera view": ("--save", "FILE"),
-    "view": ("--for", "1", "--save", "FILE", "--json"),
+    "play": (str(DRIVE),),
     "run": ("--local", "--for", "1", "--boards", "host"),
 }
 """What a command must be given besides its name."""
-SESSIONLESS = {
-    "calibrate joystick",
-    "camera board",
-    "check encoders",
-    "check wheels",
-    "commission",
-    "completion",
-    "dst",
-    "encoder disk",
-    "keys init",
-    "keys host",
-    "keys list",
-    "logs",
-    "map convert",
-    "map show",
-    "replay",
-    "vision",
-    "tune balance",
+WITH_SESSION = {
+    *("topic pub", "play", "run", "tune speed"),
+    *("calibrate camera", "calibrate odometry", "calibrate ranger"),
 }
-"""Those that open no session."""
+"""Those of ROBOTLESS that open one."""
 GOES_ON = "doctor"
 """It is asked what is wrong."""
 
@@ -170,13 +138,8 @@ def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         raise ConfigError("none is opened here")  # ZError: nobody is there, who may come yet
 
     monkeypatch.setattr(zenoh, "open", refuse)
-    monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
-    monkeypatch.setattr(giraff_keyboard.main, "in_terminal", lambda: True)
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(gc, "freeze", lambda: None)
-    monkeypatch.chdir(tmp_path)
-    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
-        monkeypatch.delenv(name, raising=False)
+    alone(monkeypatch, tmp_path)
+    monkeypatch.delenv("GIRAFF_NETWORK_LOCAL")
     return found
 
 
@@ -192,35 +155,19 @@ def settle(monkeypatch: pytest.MonkeyPatch, directory: Path, fault: str) -> str:
     return told
 
 
-def all_commands() -> list[str]:
-    """Of the whole command line."""
-    found: list[str] = []
-
-    def walk(command: Any, words: tuple[str, ...]) -> None:
-        for name, inner in getattr(command, "commands", {}).items():
-            walk(inner, (*words, name))
-        if not hasattr(command, "commands"):
-            found.append(" ".join(words))
-
-    walk(typer.main.get_command(app), ())
-    return found
-
-
 def with_session() -> list[str]:
-    everything = all_commands()
-    assert set(everything) >= {*WORDS, *SESSIONLESS, GOES_ON}
-    return sorted({*everything} - SESSIONLESS)
+    return sorted({*whole_commands()} - ({*ROBOTLESS} - WITH_SESSION))
 
 
 @pytest.mark.parametrize("command", with_session())
 def test_each_of_them_opens_one_where_all_is_sound(
-    command: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    command: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     """So that the next test can fail."""
     words = [str(tmp_path / "new") if word == "FILE" else word for word in WORDS.get(command, ())]
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
     monkeypatch.setenv("GIRAFF_ROBOT_NAME", "sim-test")
-    typed(monkeypatch, capsys, *command.split(), *words)
+    giraff(*command.split(), *words)
     assert len(opened) == 1
 
 
@@ -232,16 +179,11 @@ def test_each_of_them_opens_one_where_all_is_sound(
     ],
 )
 def test_no_command_opens_a_session(
-    command: str,
-    fault: str,
-    tmp_path: Path,
-    opened: list[str],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    command: str, fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     told = settle(monkeypatch, tmp_path, fault)
     words = [str(tmp_path / "new") if word == "FILE" else word for word in WORDS.get(command, ())]
-    code, out, err = typed(monkeypatch, capsys, *command.split(), *words)
+    code, out, err = giraff(*command.split(), *words)
     assert (code, out, opened) == (2, "", [])
     [line] = err.splitlines()
     assert line.startswith("giraff")
@@ -249,14 +191,14 @@ def test_no_command_opens_a_session(
 
 
 def test_a_stop_is_tried_first_and_never_over_an_open_session_where_the_network_looks_secured(
-    tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     """What it says of who answers: tests/unit/cli/test_estop.py. Which network is tried: test_stop_plan.py."""
     for fault in FAULTS:
         opened.clear()
         with monkeypatch.context() as patch:
             told = settle(patch, tmp_path, fault)
-            code, out, err = typed(patch, capsys, "estop", "engage")
+            code, out, err = giraff("estop", "engage")
         assert (code, out) == (2, ""), fault
         *_, line = err.splitlines()
         assert told in line, fault
@@ -279,10 +221,10 @@ def test_nor_lets_it_a_script(tmp_path: Path, opened: list[str], monkeypatch: py
 
 @pytest.mark.parametrize("fault", SOME_FAULTS)
 def test_doctor_goes_on_and_tells_it(
-    fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     told = settle(monkeypatch, tmp_path, fault)
-    code, out, err = typed(monkeypatch, capsys, "doctor")
+    code, out, err = giraff("doctor")
     assert (code, err, opened) == (1, "", [])
     lines = out.splitlines()
     [number] = [number for number, line in enumerate(lines) if line.startswith("FAULT    robot file: ")]
@@ -308,13 +250,13 @@ def test_what_is_wrong_elsewhere_stops_nobody_from_stopping_a_robot(
     tmp_path: Path,
     opened: list[str],
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    giraff: Giraff,
 ) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(text + '\n[network]\nrendezvous = "127.0.0.1:9"\n')
     for name, value in {"GIRAFF_CONFIG": str(path), **variables}.items():
         monkeypatch.setenv(name, value)
-    _, _, err = typed(monkeypatch, capsys, "estop", "engage", "--robot", "anne")
+    _, _, err = giraff("estop", "engage", "--robot", "anne")
     *_, warning = err.splitlines()
     assert warning.startswith("giraff: not everything of robot file and environment counts: ")
     assert told in warning
@@ -322,14 +264,14 @@ def test_what_is_wrong_elsewhere_stops_nobody_from_stopping_a_robot(
 
 
 def test_a_folder_that_is_gone_keeps_nobody_from_stopping_a_robot(
-    tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     gone = tmp_path / "gone"
     gone.mkdir()
     monkeypatch.chdir(gone)
     gone.rmdir()
     monkeypatch.setenv("GIRAFF_CONFIG", "robot.toml")
-    code, out, err = typed(monkeypatch, capsys, "estop", "engage")
+    code, out, err = giraff("estop", "engage")
     assert (code, out, len(opened)) == (2, "", 1)
     assert "robot.toml: cannot be read: No such file or directory; NOTHING IS STOPPED FOR SURE" in err
 
@@ -382,8 +324,8 @@ def test_no_table_takes_a_mode_that_is_not_its_own(table: str) -> None:
     ],
 )
 def test_a_name_that_does_not_count_is_no_reason(
-    fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     settle(monkeypatch, tmp_path, fault)
-    typed(monkeypatch, capsys, "estop", "engage", "--robot", "anne")
+    giraff("estop", "engage", "--robot", "anne")
     assert len(opened) == 1

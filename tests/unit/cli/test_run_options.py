@@ -9,7 +9,7 @@ import pytest
 from giraff_cli.run import begin as run
 from giraff_cli.run.plan import Plan
 from giraff_sim.board import ROOT
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 BAD_SCRIPT = "bad.csv"
 BAD_FILE = "bad.toml"
@@ -33,11 +33,7 @@ BAD_FILE = "bad.toml"
     ],
 )
 def test_bad_input_is_refused_before_anything_is_started(
-    options: list[str],
-    told: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    options: list[str], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     def drive(plan: Plan) -> int:
         raise AssertionError(f"it begins: {plan}")
@@ -47,7 +43,7 @@ def test_bad_input_is_refused_before_anything_is_started(
     monkeypatch.chdir(tmp_path)
     Path(BAD_SCRIPT).write_text("0,0,0,9.81\n1,up,0,9.81\n", encoding="utf-8")
     Path(BAD_FILE).write_text(shipped.read_text().replace("[ranger]\nport", "[ranger]\nprot"), encoding="utf-8")
-    code, out, err = typed(monkeypatch, capsys, "run", "--local", *options)
+    code, out, err = giraff("run", "--local", *options)
     assert (code, out) == (2, "")
     [line] = err.splitlines()
     assert told in line

@@ -9,7 +9,7 @@ import pytest
 
 from giraff_cli.estop import engage
 from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 WAYS = {
     "stop": "",
@@ -38,9 +38,7 @@ WAYS = {
 
 
 @pytest.mark.parametrize("words", WAYS)
-def test_whoever_types_a_stop_stops(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: str
-) -> None:
+def test_whoever_types_a_stop_stops(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, words: str) -> None:
     """The worst code is that of the command."""
     asked: list[str] = []
 
@@ -50,7 +48,7 @@ def test_whoever_types_a_stop_stops(
 
     monkeypatch.setattr(engage, "engage_by_plan", stop)
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
-    code, out, err = typed(monkeypatch, capsys, *shlex.split(words))
+    code, out, err = giraff(*shlex.split(words))
     robots = WAYS[words].split() or ["all"]
     assert (code, out, err) == (1 if "otto" in robots else 0, "", "")
     assert sorted(asked) == sorted(robots)
@@ -64,10 +62,10 @@ def test_whoever_types_a_stop_stops(
     ],
 )
 def test_another_verb_a_question_for_help_and_a_program_without_a_terminal_stop_nothing(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: str
+    monkeypatch: pytest.MonkeyPatch, giraff: Giraff, words: str
 ) -> None:
     monkeypatch.setattr(engage, "engage_by_plan", lambda *_, **__: pytest.fail("it stops"))
-    code, out, err = typed(monkeypatch, capsys, *words.split())
+    code, out, err = giraff(*words.split())
     assert code == (0 if "--help" in words else 2)
     assert "Usage: giraff estop" in out or err.endswith(" --help)\n")
     assert "anne" not in err or "no option --of: did you mean --off?" in err
@@ -77,10 +75,10 @@ def test_another_verb_a_question_for_help_and_a_program_without_a_terminal_stop_
     ("word", "meant"), [("rest", "did you mean reset? "), ("engae", "did you mean engage? "), ("all", ""), ("now/", "")]
 )
 def test_a_word_that_is_no_robots_name_stops_nothing_and_says_what_does(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], word: str, meant: str
+    monkeypatch: pytest.MonkeyPatch, giraff: Giraff, word: str, meant: str
 ) -> None:
     network = meet(monkeypatch, "giraff/sim-test/alive/base/1")
-    code, out, err = typed(monkeypatch, capsys, "estop", word)
+    code, out, err = giraff("estop", word)
     assert (code, out) == (2, "")
     assert f"giraff: {word} has not confirmed a stop; {meant}`giraff stop` stops every robot that is heard" in err
     assert bool(network.opened) == (word != "now/")

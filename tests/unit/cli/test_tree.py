@@ -9,7 +9,7 @@ import pytest
 from giraff_cli import options, start
 from giraff_node.process import libraries
 from giraff_node.process.libraries import remedy
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 _TREE = "the simulated robot needs the repository's tree, which is not here; clone the repository, then make run in it"
 
@@ -24,15 +24,11 @@ _TREE = "the simulated robot needs the repository's tree, which is not here; clo
     ],
 )
 def test_it_is_told_in_a_line(
-    words: tuple[str, ...],
-    told: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    words: tuple[str, ...], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
     monkeypatch.setattr(libraries, "TREE", tmp_path)
     monkeypatch.setattr(options, "find_spec", lambda _name: None)
-    assert typed(monkeypatch, capsys, *words) == (2, "", told)
+    assert giraff(*words) == (2, "", told)
 
 
 def test_a_wheel_without_its_extras_says_which_it_wants(

@@ -10,7 +10,7 @@ from giraff_cli.topic.echo import FieldError, selected
 from tests.rules.repository import ROOT
 from tests.unit.cli import mistakes_files, mistakes_habits, mistakes_json, mistakes_screens
 from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
 ARDROS = str(ROOT / "deploy" / "robots" / "ardros.toml")
@@ -199,11 +199,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
 )
 
 
-def test_it_is_told_in_a_line(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_it_is_told_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff) -> None:
     monkeypatch.chdir(tmp_path)
     for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
@@ -213,7 +209,7 @@ def test_it_is_told_in_a_line(
     for words, said in ROWS:
         with monkeypatch.context() as patch:
             network = meet(patch)
-            code, out, complaint = typed(patch, capsys, *words)
+            code, out, complaint = giraff(*words)
         assert (code, out) == (2, ""), words
         assert network.opened == 0 or words[0] not in ("move", "turn", "arc", "go", "odom", "localize"), words
         [_line] = complaint.splitlines()

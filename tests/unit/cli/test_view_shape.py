@@ -24,7 +24,7 @@ from giraff_viewer.scene import Scene, stock
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import alone, meet
 from tests.unit.cli.samples import odometry
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ABOUT
 
 OWN = msgspec.structs.replace(stock("sim-test"), footprint_radius=0.2)
@@ -61,7 +61,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[tuple[float, 
 @pytest.mark.parametrize(("unanswered", "expected"), [(0, [TOLD]), (20, [STOCK_NOTE, TOLD]), (math.inf, [STOCK_NOTE])])
 def test_a_live_robot_is_asked_and_another_shape_is_named(
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    giraff: Giraff,
     drawn: list[tuple[float, str]],
     unanswered: float,
     expected: list[tuple[float, str]],
@@ -87,7 +87,7 @@ def test_a_live_robot_is_asked_and_another_shape_is_named(
         return session
 
     monkeypatch.setattr(zenoh, "open", open_)
-    typed(monkeypatch, capsys, "view", "--robot", "sim-test", "--save", "out.rrd", "--for", "8")
+    giraff("view", "--robot", "sim-test", "--save", "out.rrd", "--for", "8")
     assert drawn == expected
 
 
@@ -100,26 +100,22 @@ def test_a_live_robot_is_asked_and_another_shape_is_named(
     ],
 )
 def test_a_recording_is_drawn_by_its_own_tables_and_another_shape_is_named(
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    drawn: list[tuple[float, str]],
-    tables: dict[str, Any],
-    expected: tuple[float, str],
+    giraff: Giraff, drawn: list[tuple[float, str]], tables: dict[str, Any], expected: tuple[float, str]
 ) -> None:
     said = stamped(odometry(1, 0.0), 0, 1, "1")
     with RecordingWriter(Path("drive.mcap"), ABOUT | {"tables": msgspec.json.encode(tables).decode()}) as writer:
         writer.add([RawSample(1, key_of("sim-test", ODOM), encode(said), encoding_of(type(said)))])
         writer.close("test")
-    assert typed(monkeypatch, capsys, "view", "drive.mcap", "--save", "out.rrd")[0] == 0
+    assert giraff("view", "drive.mcap", "--save", "out.rrd")[0] == 0
     assert drawn == [expected]
 
 
 def test_a_robot_file_counts_for_its_own_robot_alone(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], drawn: list[tuple[float, str]]
+    monkeypatch: pytest.MonkeyPatch, giraff: Giraff, drawn: list[tuple[float, str]]
 ) -> None:
     copy(ROOT / "deploy" / "robot.toml", "robot.toml")
     monkeypatch.setenv("GIRAFF_CONFIG", "robot.toml")
     meet(monkeypatch)
     for robot in ("sim-test", "giraff"):
-        typed(monkeypatch, capsys, "view", "--robot", robot, "--save", "out.rrd", "--for", "2")
+        giraff("view", "--robot", robot, "--save", "out.rrd", "--for", "2")
     assert [note for _, note in drawn] == [STOCK_NOTE[1], "drawn by the file robot.toml"]

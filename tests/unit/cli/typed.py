@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from typing import Final
 
 import pytest
@@ -11,6 +12,8 @@ import typer.main
 from giraff_cli.main import app
 from giraff_cli.network import command as visit
 from giraff_cli.usage import obey
+
+Giraff = Callable[..., tuple[int, str, str]]
 
 _COMMAND: Final = typer.main.get_command(app)
 """Typer takes 50 ms to build it, and no call changes it."""
@@ -25,3 +28,9 @@ def typed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *
     code = obey(app)
     said = capsys.readouterr()
     return code, said.out, said.err
+
+
+@pytest.fixture
+def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Giraff:
+    """Return what types the command: exit code, output and complaint."""
+    return lambda *words: typed(monkeypatch, capsys, *words)

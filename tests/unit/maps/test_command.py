@@ -23,8 +23,10 @@ from giraff_maps.floor_plan import FloorPlan
 from giraff_maps.read import read_map
 from giraff_schemas.localization import Candidate, MapPose
 from tests.unit.cli.map_poses import map_pose
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff, giraff
 from tests.unit.maps.grids import FLAT, LIVING_ROOM, polyline, room
+
+__all__ = ["giraff"]
 
 PLACE = Candidate(x=1.5, y=0.5, yaw=0.0, belief=0.3)
 SQUARE = FloorPlan("square", ((0, 0, 2, 0), (2, 0, 2, 2), (2, 2, 0, 2), (0, 2, 0, 0)))
@@ -74,9 +76,9 @@ def test_the_robot_is_drawn_with_its_ellipse_and_what_is_off_the_plan_is_not() -
     assert "".join(drawn(SQUARE, 45, 23, dots=False, pose=other)).count("?") == 1
 
 
-def test_it_is_shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_it_is_shown(giraff: Giraff, tmp_path: Path) -> None:
     svg = tmp_path / "flat.svg"
-    code, out, complaint = typed(monkeypatch, capsys, "map", "show", str(FLAT), "--svg", str(svg))
+    code, out, complaint = giraff("map", "show", str(FLAT), "--svg", str(svg))
     heading, *lines = out.splitlines()
     assert (code, complaint) == (0, "")
     assert heading == "flat: 12.70 x 8.20 m, 104.1 m², 206 walls"
@@ -88,11 +90,9 @@ def test_it_is_shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     assert {"m", "0", "12", "8"} <= {*texts}
 
 
-def test_a_name_steers_neither_terminal_nor_drawing(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_name_steers_neither_terminal_nor_drawing(giraff: Giraff, tmp_path: Path) -> None:
     path = room(tmp_path, polyline((0, 0), (2, 0)), name="<b>\\u001b[2J")
-    code, out, _ = typed(monkeypatch, capsys, "map", "show", str(path), "--svg", str(tmp_path / "out.svg"))
+    code, out, _ = giraff("map", "show", str(path), "--svg", str(tmp_path / "out.svg"))
     assert code == 0
     assert out.startswith("<b>?[2J: 2.00 x 0.00 m, 0.0 m², 1 wall\n")
     assert ET.fromstring((tmp_path / "out.svg").read_text()) is not None  # noqa: S314
@@ -121,13 +121,11 @@ def test_it_is_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch, capsys: 
     assert max(map(len, lines)) == 40
 
 
-def test_a_room_is_converted(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_room_is_converted(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
-    code, out, complaint = typed(monkeypatch, capsys, "map", "convert", str(FLAT), "flat.yaml", "--resolution", "0.1")
+    code, out, complaint = giraff("map", "convert", str(FLAT), "flat.yaml", "--resolution", "0.1")
     assert (code, out, complaint) == (0, "flat.yaml and flat.pgm, by cells of 0.1 m\n", "")
-    code, out, _ = typed(monkeypatch, capsys, "map", "show", "flat.yaml")
+    code, out, _ = giraff("map", "show", "flat.yaml")
     assert code == 0
     assert out.startswith("flat: 12.80 x 8.30 m")
 
@@ -144,14 +142,10 @@ def test_a_room_is_converted(
     ],
 )
 def test_what_cannot_be_is_told_in_a_line(
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-    words: tuple[str, ...],
-    complaint: str,
+    monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path, words: tuple[str, ...], complaint: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    code, out, said = typed(monkeypatch, capsys, "map", *words)
+    code, out, said = giraff("map", *words)
     assert (code, out) == (2, "")
     [line] = said.splitlines()
     assert complaint in line
