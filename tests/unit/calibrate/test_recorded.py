@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import giraff_cli.options
 from giraff_cli.calibrate.paths import Floats
 from giraff_cli.calibrate.recorded.slips import require_plausible
 from giraff_cli.calibrate.recorded.tables import RecordingError
@@ -23,7 +22,6 @@ from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_core.kinematics.calibration import Scales
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
-from giraff_node.process.libraries import remedy
 from tests.rules.repository import ROOT
 from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of, turn
 from tests.unit.cli.typed import typed
@@ -370,8 +368,3 @@ def test_a_full_disk_leaves_the_robot_file_as_it_was(
     assert "No space left on device; write into [robot.calibration] by hand:" in complaint.splitlines()[0]
     assert robot_file.read_text(encoding="utf-8") == before
     assert os.listdir(robot_file.parent) == ["robot.toml"]  # noqa: PTH208
-
-
-def test_without_numpy_it_says_what_to_install(say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(giraff_cli.options, "find_spec", lambda name: None if name == "numpy" else name)
-    assert f"the library numpy is missing; {remedy('analysis,cli')}" in say(*OTHERS)[2]

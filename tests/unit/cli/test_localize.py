@@ -57,16 +57,6 @@ def test_a_map_that_cannot_be_used_is_told_before_anybody_is_asked(
     assert network.opened == 0
 
 
-@pytest.mark.parametrize(("library", "more"), [("numpy", ()), ("mcap", ("--from", "drive.mcap"))])
-def test_a_library_that_is_missing_is_told(
-    library: str, more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, giraff: Giraff
-) -> None:
-    monkeypatch.setattr("giraff_cli.options.find_spec", lambda name: None if name == library else object())
-    code, out, complaint = giraff("localize", "--map", "hall.toml", *more)
-    assert (code, out) == (2, "")
-    assert complaint.startswith(f"giraff localize: the library {library} is missing; in the clone: ")
-
-
 def seen(pose: MapPose | None, elapsed: float = 0.0, age: float = 0.0) -> PoseView:
     return PoseView(NAME, elapsed, None if pose is None else Latest(pose, age))
 

@@ -280,6 +280,7 @@ def test_what_cannot_be_written_is_refused_at_the_start(tmp_path: Path, option: 
         ("GIRAFF_SPEED", "1", "GIRAFF_SPEED: names no field"),
         ("GIRAFF_CONFIG", "missing.toml", "no robot file"),
         ("GIRAFF_ROBOT_TRACK_WIDTH", "wide", "track_width"),
+        ("GIRAFF_RANGER_PROT", "x", r"GIRAFF_RANGER_PROT of the environment.*: unknown field `prot`"),
     ],
 )
 def test_bad_settings_are_refused(monkeypatch: pytest.MonkeyPatch, variable: str, value: str, told: str) -> None:

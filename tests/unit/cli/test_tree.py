@@ -13,22 +13,38 @@ from tests.unit.cli.typed import Giraff
 
 _TREE = "the simulated robot needs the repository's tree, which is not here; clone the repository, then make run in it"
 
+_LOCALIZE = ("localize", "--map", "hall.toml")
+
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("run", "--camera"), f"giraff run: {_TREE}\n"),
-        (("dst", "--seeds", "3"), f"giraff dst: {_TREE}\n"),
-        (("check", "wheels"), f"giraff check wheels: the library serial is missing; {remedy('cli,serial')}\n"),
-        (("view",), f"giraff view: the library rerun is missing; {remedy('viewer,cli')}\n"),
+        (("run", "--camera"), f"giraff run: {_TREE}"),
+        (("dst", "--seeds", "3"), f"giraff dst: {_TREE}"),
+        (("check", "wheels"), f"giraff check wheels: the library serial is missing; {remedy('cli,serial')}"),
+        (("view",), f"giraff view: the library rerun is missing; {remedy('viewer,cli')}"),
+        (_LOCALIZE, f"giraff localize: the library numpy is missing; {remedy('cli,localization')}"),
+        (
+            (*_LOCALIZE, "--from", "a.mcap"),
+            f"giraff localize: the library mcap is missing; {remedy('cli,localization,record')}",
+        ),
+        (("vision", "--from", "a.avi"), f"giraff vision: the library cv2 is missing; {remedy('camera,cli,record')}"),
+        (
+            ("calibrate", "odometry"),
+            f"giraff calibrate odometry: the library numpy is missing; {remedy('analysis,cli')}",
+        ),
+        (("keys", "init"), f"giraff keys: the library cryptography is missing; {remedy('cli,keys')}"),
     ],
 )
 def test_it_is_told_in_a_line(
     words: tuple[str, ...], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
+    """Of the libraries this one alone is missing."""
+    missing = told.partition("the library ")[2].partition(" ")[0]
     monkeypatch.setattr(libraries, "TREE", tmp_path)
-    monkeypatch.setattr(options, "find_spec", lambda _name: None)
-    assert giraff(*words) == (2, "", told)
+    monkeypatch.setattr(options, "find_spec", lambda name: None if name == missing else name)
+    monkeypatch.chdir(tmp_path)
+    assert giraff(*words) == (2, "", f"{told}\n")
 
 
 def test_a_wheel_without_its_extras_says_which_it_wants(

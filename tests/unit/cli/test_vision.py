@@ -15,7 +15,6 @@ import pytest
 
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.writing import RecordingWriter
-from giraff_node.process.libraries import remedy
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Odometry, Sample
@@ -140,9 +139,3 @@ def test_a_replay_goes_on_at_a_key_picture_behind_a_missing_one_and_sees_what_is
     assert 20 < part["equal"] < count - 20
     monkeypatch.setenv("GIRAFF_ROBOT_SENSORS__HEAD__Z", "1.05")
     assert "motion" in replay(recorded(tmp_path / "begin.mcap", 8))["first"]
-
-
-def test_opencv_that_is_missing_is_told(giraff: Giraff, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("giraff_cli.options.find_spec", lambda name: None if name == "cv2" else object())
-    told = f"giraff vision: the library cv2 is missing; {remedy('camera,cli,record')}\n"
-    assert giraff("vision", "--from", "a.avi") == (2, "", told)

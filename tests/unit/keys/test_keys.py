@@ -6,7 +6,6 @@ import errno
 import json
 import os
 import shutil
-import sys
 from collections.abc import Callable
 from datetime import timedelta
 from pathlib import Path
@@ -25,7 +24,6 @@ from typer.testing import CliRunner
 from giraff_cli.keys import manage as keys
 from giraff_cli.main import app
 from giraff_node.network.session import CERTIFICATES
-from giraff_node.process.libraries import remedy
 from tests.unit.keys.folders import DAY, NOW, authority, bundle, contents
 
 
@@ -334,12 +332,6 @@ def test_somebody_elses_folder_is_told_as_such(monkeypatch: pytest.MonkeyPatch) 
     assert why == (
         "giraff keys host: keys: Permission denied: whose is it? The one who made the CA makes the bundles, too\n"
     )
-
-
-def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("giraff_cli.options.find_spec", lambda _name: None)
-    monkeypatch.delitem(sys.modules, "giraff_cli.keys.manage")
-    assert f"is missing; {remedy('cli,keys')}" in refusal("init")
 
 
 def test_a_folder_that_cannot_be_written_is_named_and_no_temporary_one(

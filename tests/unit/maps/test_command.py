@@ -128,25 +128,3 @@ def test_a_room_is_converted(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tm
     code, out, _ = giraff("map", "show", "flat.yaml")
     assert code == 0
     assert out.startswith("flat: 12.80 x 8.30 m")
-
-
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        (("show", "none.toml"), "none.toml: cannot be read: No such file"),
-        (("show", str(FLAT), "--svg", "none/a.svg"), "--svg none/a.svg: cannot be written: No such file"),
-        (("convert", "none.toml", "a.yaml"), "none.toml: cannot be read: No such file"),
-        (("convert", str(FLAT), "none/a.yaml"), "cannot be written: No such file"),
-        (("convert", str(FLAT), "a.pgm"), "name it .yaml"),
-        (("convert", str(FLAT), "a.yaml", "--resolution", "nan"), "--resolution"),
-    ],
-)
-def test_what_cannot_be_is_told_in_a_line(
-    monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path, words: tuple[str, ...], complaint: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    code, out, said = giraff("map", *words)
-    assert (code, out) == (2, "")
-    [line] = said.splitlines()
-    assert complaint in line
-    assert list(tmp_path.iterdir()) == []
