@@ -129,8 +129,20 @@ def call(outcome: Any, detail: str = "", *, on_link: bool = True, address: str =
     return (Probe(address=address, outcome=outcome, detail=detail, on_link=on_link),)
 
 
-def test_a_healthy_robot_has_no_findings() -> None:
-    assert findings(HEALTHY) == []
+@pytest.mark.parametrize(
+    "look",
+    [
+        HEALTHY,
+        answered(answer("joystick", 0.3, notices=("nobody drives; tilt",))),
+        answered(msgspec.structs.replace(answer("base", 1.0), uncertainty=0.8)),
+        of_network(pages=call("no name")),
+        going_by({"base": BUILT, "odometry": BUILT}, filed=BUILT),
+        going_by({"base": BUILT, "odometry": BUILT}),
+    ],
+    ids=["healthy", "operator's notice", "small difference of clocks", "page's name", "one geometry", "no file"],
+)
+def test_what_is_well_is_no_finding(look: Inspection) -> None:
+    assert findings(look) == []
 
 
 @pytest.mark.parametrize(
@@ -255,16 +267,7 @@ def test_the_cause_is_told_and_not_what_comes_of_it() -> None:
     assert said(unwell) == ["fault guard on pc: it is bad -> mend it"]
 
 
-def test_a_small_difference_of_clocks_and_an_operators_notice_are_nothing() -> None:
-    resting = answer("joystick", 0.3, notices=("nobody drives; tilt",))
-    assert findings(answered(resting)) == []
-    unsure = msgspec.structs.replace(answer("base", 1.0), uncertainty=0.8)
-    assert findings(answered(unsure)) == []
-
-
-def test_who_goes_by_one_geometry_is_nothing_and_who_did_not_restart_is_told_once() -> None:
-    assert findings(going_by({"base": BUILT, "odometry": BUILT}, filed=BUILT)) == []
-    assert findings(going_by({"base": BUILT, "odometry": BUILT})) == []
+def test_who_did_not_restart_is_told_once() -> None:
     assert len(findings(going_by({"base": BUILT, "odometry": MEASURED}, filed=MEASURED))) == 1
 
 
@@ -335,10 +338,6 @@ def test_what_is_played_is_a_door_a_run_is_none_and_the_loopback_needs_none() ->
     assert findings(msgspec.structs.replace(local, network=Network(has_doors=False))) == []
 
 
-def test_a_page_on_a_machine_whose_name_is_not_known_here_is_no_finding() -> None:
-    assert findings(of_network(pages=call("no name"))) == []
-
-
 def test_a_port_is_free_where_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
@@ -366,19 +365,10 @@ def test_the_gravest_comes_first() -> None:
 
 
 def test_addresses_are_told_apart() -> None:
-    own = (UPLINK,)
-    assert [on_link(each, own) for each in ("10.71.1.9", "10.71.2.9", "127.0.0.1", "robot.lan")] == [
-        True,
-        False,
-        True,
-        True,
-    ]
-    assert [is_own(each, own) for each in ("10.71.1.2", "10.71.1.9", "127.0.0.1", "[fe80::1%2]")] == [
-        True,
-        False,
-        True,
-        True,
-    ]
+    near = [each for each in ("10.71.1.9", "10.71.2.9", "127.0.0.1", "robot.lan") if on_link(each, (UPLINK,))]
+    assert near == ["10.71.1.9", "127.0.0.1", "robot.lan"]
+    own = [each for each in ("10.71.1.2", "10.71.1.9", "127.0.0.1", "[fe80::1%2]") if is_own(each, (UPLINK,))]
+    assert own == ["10.71.1.2", "127.0.0.1", "[fe80::1%2]"]
 
 
 def test_programs_read_a_problem_as_one_line() -> None:

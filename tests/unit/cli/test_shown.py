@@ -107,14 +107,7 @@ def test_nothing_moves_in_the_view_when_numbers_change() -> None:
     telemetry.see(truth(10 * SECOND, x=-123.4, speed=-0.6))
     after = rendered(telemetry.snapshot(10 * SECOND))
     for heading in ("POSE", "MOTION", "TILT", "RANGES", "BASE", "GUARD", "TOPICS", "SERVICES"):
-        places = [
-            (number, row.index(heading))
-            for shown in (before, after)
-            for number, row in enumerate(shown)
-            if heading in row
-        ]
-        assert len(places) == 2
-        assert places[0] == places[1]
+        assert place(before, heading) == place(after, heading)
 
 
 def localized(telemetry: RunTelemetry, state: LocalizationState = "localized", reason: str = "") -> RunTelemetry:
@@ -151,18 +144,14 @@ def test_a_service_that_ended_takes_the_row_of_a_hint_and_its_cause_the_last_one
     assert " ".join(row.strip() for row in shown[-2:]) == why
 
 
-def test_the_last_row_tells_how_to_see_by_the_camera() -> None:
-    shown = rendered(ten_seconds().snapshot(13 * SECOND), replace(FRAME, look="see by it: giraff camera view"))
-    assert len(shown) <= 24
-    assert shown[-1].rstrip() == "see by it: giraff camera view"
-
-
-def test_the_last_row_tells_how_a_robot_balances() -> None:
+def test_the_last_row_tells_how_to_see_by_the_camera_or_how_a_robot_balances() -> None:
     telemetry = ten_seconds()
+    seen = rendered(telemetry.snapshot(13 * SECOND), replace(FRAME, look="see by it: giraff camera view"))
     Network(telemetry).send(topics.ATTITUDE, attitude(10 * SECOND), 10 * SECOND)
-    shown = rendered(telemetry.snapshot(10 * SECOND))
-    assert len(shown) <= 24
-    assert shown[-1].rstrip() == "BALANCE  stands: leans 1.5°, -12 N m"
+    balances = rendered(telemetry.snapshot(10 * SECOND))
+    assert max(len(seen), len(balances)) <= 24
+    assert seen[-1].rstrip() == "see by it: giraff camera view"
+    assert balances[-1].rstrip() == "BALANCE  stands: leans 1.5°, -12 N m"
 
 
 def test_the_line_tells_the_place_on_the_map() -> None:
@@ -172,9 +161,12 @@ def test_the_line_tells_the_place_on_the_map() -> None:
     assert " | map lost: drive on | off 0.03 m" in lost
 
 
-def test_a_long_reason_is_cut_and_not_wrapped() -> None:
+def test_a_long_reason_is_cut_and_not_wrapped_and_a_wider_terminal_shows_more_of_it() -> None:
     telemetry = ten_seconds()
     network = Network(telemetry)
+    long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 60, way_out="w" * 20)
+    network.send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
+    assert "r" * 60 + "; " + "w" * 20 in "\n".join(rendered(telemetry.snapshot(10 * SECOND), width=120))
     long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 200, way_out="w" * 200)
     network.send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
     network.send(topics.BASE, base(armed=False, reason="b" * 200), 10 * SECOND, maker="n")
@@ -182,14 +174,6 @@ def test_a_long_reason_is_cut_and_not_wrapped() -> None:
     assert len(shown) <= 24
     assert all(len(row) <= 80 for row in shown)
     assert sum("…" in row for row in shown) == 2
-
-
-def test_a_wider_terminal_shows_more_of_the_reasons() -> None:
-    telemetry = ten_seconds()
-    long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 60, way_out="w" * 20)
-    Network(telemetry).send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
-    shown = "\n".join(rendered(telemetry.snapshot(10 * SECOND), width=120))
-    assert "r" * 60 + "; " + "w" * 20 in shown
 
 
 def test_an_emergency_stop_and_a_latch_show() -> None:
@@ -238,7 +222,7 @@ def summary(
     )
 
 
-def test_the_summary_is_what_was_measured() -> None:
+def test_the_summary_is_what_was_measured_and_for_people_fits_a_terminal() -> None:
     told = summary(ten_seconds(), ["guard ended by itself"])
     assert told.duration_s == 8.0
     assert told.distance_m == 4.0
@@ -248,29 +232,18 @@ def test_the_summary_is_what_was_measured() -> None:
     assert told.age_ms is not None
     assert told.age_ms.p99 == 31.0
     assert told.failures == ["guard ended by itself"]
+    text = to_text(summary(ten_seconds()))
+    assert max(map(len, text.splitlines())) <= 80
+    assert "0.420 m, 0 contacts" in text
+    assert "31.0 ms median, 31.0 ms p99" in text
 
 
 def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
     told = msgspec.json.decode(to_json(summary(ten_seconds())))
     assert {
-        "distance_m",
-        "odom_error_m",
-        "odom_error_deg",
-        "odom_sigma_m",
-        "odom_sigma_deg",
-        "odom_mahalanobis",
-        "within_ellipse",
-        "truth",
-        "drawn",
-        "closest_m",
-        "contacts",
-        "frames_lost",
-        "rates_hz",
-        "age_ms",
-        "duration_s",
-        "seed",
-        "boards",
-        "skew_percent",
+        *("distance_m", "odom_error_m", "odom_error_deg", "odom_sigma_m", "odom_sigma_deg", "odom_mahalanobis"),
+        *("within_ellipse", "truth", "drawn", "closest_m", "contacts", "frames_lost", "rates_hz", "age_ms"),
+        *("duration_s", "seed", "boards", "skew_percent"),
     } <= told.keys()
     assert set(told["age_ms"]) == {"p50", "p99", "max"}
 
@@ -343,13 +316,6 @@ def test_the_summary_says_which_robot_was_drawn(level: Level) -> None:
     assert f"camera {drawn.camera.height_scale - 1.0:+.2%} high" in to_text(seen)
     assert max(map(len, to_text(seen).splitlines())) <= 80
     assert "exact: as its file says" in to_text(summary(ten_seconds(), truth="exact", drawn=Drawn()))
-
-
-def test_the_summary_for_people_fits_a_terminal() -> None:
-    text = to_text(summary(ten_seconds()))
-    assert max(map(len, text.splitlines())) <= 80
-    assert "0.420 m, 0 contacts" in text
-    assert "31.0 ms median, 31.0 ms p99" in text
 
 
 BODY = draw(balancer_file.DRIVE, balancer_file.ROBOT.track_width, 3)

@@ -48,6 +48,12 @@ def heard() -> Telemetry:
     return telemetry
 
 
+def listening() -> tuple[Telemetry, Network]:
+    """That, and how more is said to it."""
+    telemetry = heard()
+    return telemetry, Network(telemetry)
+
+
 def view(telemetry: Telemetry, now_ns: int = NOW, **changes: Any) -> WatchView:
     seen = WatchView(robot="giraff", elapsed=12.34, snapshot=telemetry.snapshot(now_ns), waiting="")
     return replace(seen, **changes)
@@ -137,8 +143,7 @@ def test_what_waits_says_for_what() -> None:
 
 
 def test_an_emergency_stop_says_by_whom_and_why() -> None:
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     network.send(topics.ESTOP, estop(engaged=True), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason="emergency stop by ann@desk: smoke"), NOW, maker="n")
     text = "\n".join(drawn(view(telemetry)))
@@ -148,8 +153,7 @@ def test_an_emergency_stop_says_by_whom_and_why() -> None:
 
 
 def test_why_base_does_not_drive_is_in_the_line() -> None:
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     network.send(topics.LEASE, lease("", ""), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason="hold the hand level"), NOW, maker="n")
     assert "| holder nobody | base not armed | 24.3 V | hold the hand level" in view(telemetry).line()
@@ -179,8 +183,7 @@ def test_sensors_are_learnt_from_the_network() -> None:
 
 
 def test_what_the_network_says_cannot_steer_the_terminal_or_break_a_row() -> None:
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     bad = "a\x1b[2J\nb[bold]\u202e\u009b" * 20
     network.send(topics.GUARD, guard(verdict(0.0, "blocked", bad, bad, bad)), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason=bad, latch=bad), NOW, maker="n")
@@ -194,8 +197,7 @@ def test_what_the_network_says_cannot_steer_the_terminal_or_break_a_row() -> Non
 
 
 def test_a_number_of_any_size_fits() -> None:
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     network.send(topics.BATTERY, Battery(voltage=1e300), NOW, maker="n")
     network.send(topics.RANGE, reading("rear", 1e308), NOW, name="rear", maker="n")
     assert all(len(row) <= 80 for row in drawn(view(telemetry)))
@@ -217,8 +219,7 @@ def test_the_place_on_the_map_is_told_where_anybody_tells_it() -> None:
 
 def test_how_a_robot_that_balances_holds_itself_is_told() -> None:
     assert "BALANCE" not in "\n".join(drawn(view(heard())))
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     network.send(topics.ATTITUDE, attitude(NOW), NOW)
     network.send(topics.POSE, map_pose(0, Pose(1.5, 2.2, 0.0)), NOW)
     shown = drawn(view(telemetry, notices=("n" * 200,)))
@@ -233,29 +234,9 @@ def test_how_a_robot_that_balances_holds_itself_is_told() -> None:
 def test_the_report_has_the_names_that_are_promised() -> None:
     told = report(heard())
     assert set(told) == {
-        "robot",
-        "elapsed",
-        "silence",
-        "waiting",
-        "path",
-        "speed",
-        "turn",
-        "state",
-        "why",
-        "missing",
-        "services",
-        "odometry",
-        "ranges",
-        "lease",
-        "guard",
-        "base",
-        "estop",
-        "battery",
-        "localization",
-        "attitude",
-        "cameras",
-        "topics",
-        "unreadable",
+        *("robot", "elapsed", "silence", "waiting", "path", "speed", "turn", "state", "why", "missing", "services"),
+        *("odometry", "ranges", "lease", "guard", "base", "estop", "battery", "localization", "attitude", "cameras"),
+        *("topics", "unreadable"),
     }
     assert (told["robot"], told["elapsed"], told["silence"]) == ("giraff", 12.34, 0.0)
     assert (told["path"], told["speed"], told["turn"], told["state"]) == (4.0, 0.4, 0.0, "driving")
@@ -276,8 +257,7 @@ def test_the_report_of_nothing_says_so() -> None:
 
 
 def test_what_limits_is_told_whole_with_its_way_out() -> None:
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     near = verdict(0.0, "blocked", "front_left", "front_left sees something at 0.31 m", "turn left or back up")
     assert limit_text(telemetry.snapshot(NOW)) == "1.23 m ahead; turn away"
     network.send(topics.GUARD, msgspec.structs.replace(guard(near), reason=WELL), NOW, maker="n")
@@ -292,8 +272,7 @@ def test_what_limits_is_told_whole_with_its_way_out() -> None:
 
 
 def test_the_longest_of_all_fits_24_rows() -> None:
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     long = verdict(0.0, "blocked", "rear", "r " * 200, "w " * 200)
     network.send(topics.GUARD, guard(long), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason="b " * 200), NOW, maker="n")
@@ -301,8 +280,7 @@ def test_the_longest_of_all_fits_24_rows() -> None:
 
 
 def test_a_camera_that_is_on_says_who_sees_it() -> None:
-    telemetry = heard()
-    network = Network(telemetry)
+    telemetry, network = listening()
     network.send(topics.CAMERA_STATE, camera(), NOW, name="head")
     network.send(topics.CAMERA_ON, Battery(voltage=0.0), NOW, name="head")  # of the state the key alone counts
     assert (" · camera" in drawn(view(telemetry))[0], "camera" in view(telemetry).line()) == (False, False)
