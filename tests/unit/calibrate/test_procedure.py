@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pytest
@@ -13,14 +13,17 @@ from giraff_cli.terminal.human import NobodyError
 from tests.unit.calibrate.person import GEOMETRY, Act, FiledRobot, Person
 
 
-def guided(robot: FiledRobot, person: Person) -> Measured:
-    return Procedure(person, robot, GEOMETRY).measure()
+def guided(
+    instead: Mapping[tuple[str, int], Act | str] | None = None, robot: FiledRobot | None = None
+) -> tuple[Person, Measured]:
+    """Return who was led, and what was measured; `instead`: what that person does otherwise."""
+    robot = robot or FiledRobot()
+    person = Person(robot, instead)
+    return person, Procedure(person, robot, GEOMETRY).measure()
 
 
-def test_each_run_of_the_plan_is_marked_driven_and_measured() -> None:
-    robot = FiledRobot()
-    person = Person(robot)
-    measured = guided(robot, person)
+def test_each_run_of_the_plan_is_marked_driven_and_measured_and_what_is_driven_is_shown() -> None:
+    person, measured = guided()
     assert [run.name for run in (*measured.fitted, *measured.checks)] == [leg.name for leg in PLAN]
     assert [run.name for run in measured.checks] == [leg.name for leg in PLAN if leg.is_check]
     line, turns = measured.fitted[0], measured.fitted[4]
@@ -28,12 +31,6 @@ def test_each_run_of_the_plan_is_marked_driven_and_measured() -> None:
     assert line.measured[-1].row == line.left.size
     assert line.measured[-1][1:] == pytest.approx((5.0, 0.0, 0.0), abs=1e-9)
     assert turns.measured[-1].yaw == pytest.approx(3 * 2 * np.pi, abs=0.01)
-
-
-def test_what_is_driven_is_shown() -> None:
-    robot = FiledRobot()
-    person = Person(robot)
-    guided(robot, person)
     assert "5.0 m, turned 0 degrees" in person.shown
     assert "0.0 m, turned -1080 degrees" in person.shown
     assert "8.0 m, turned 360 degrees" in person.shown
@@ -98,7 +95,7 @@ def lose_network(robot: FiledRobot) -> None:
 def test_a_run_that_went_wrong_is_done_again(act: Callable[[FiledRobot, Person], str], cause: str) -> None:
     robot = FiledRobot()
     person = Person(robot, {("Drive", 1): lambda: act(robot, person)})
-    measured = guided(robot, person)
+    measured = Procedure(person, robot, GEOMETRY).measure()
     assert any(cause in text for text in person.told), person.told
     assert len(measured.fitted) + len(measured.checks) == len(PLAN)
     assert person.count("Drive") == len(PLAN) + 1
@@ -118,7 +115,7 @@ def test_a_robot_that_moves_has_not_begun_or_ended(question: str) -> None:
         return "" if question == "Mark" else person.drive()
 
     person = Person(robot, {(question, 1): roll, (question, 2): wait})
-    measured = guided(robot, person)
+    measured = Procedure(person, robot, GEOMETRY).measure()
     assert any("wheels still turn" in text for text in person.told)
     rolled = 200 if question == "Drive" else 0
     assert np.sum(measured.fitted[0].left) == pytest.approx(10_000 + rolled, abs=1)
@@ -135,8 +132,8 @@ def test_wheels_that_are_not_heard_are_named_and_waited_for() -> None:
         robot.silence = 0.0
         return ""
 
-    person = Person(robot, {("Mark", 1): fall_silent, ("Mark", 2): speak})
-    assert len(guided(robot, person).fitted) == 6
+    person, measured = guided({("Mark", 1): fall_silent, ("Mark", 2): speak}, robot)
+    assert len(measured.fitted) == 6
     assert any("no wheels are heard" in text for text in person.told)
     assert "no wheels are heard" in person.shown[0]
 
@@ -144,9 +141,8 @@ def test_wheels_that_are_not_heard_are_named_and_waited_for() -> None:
 @pytest.mark.parametrize("question", ["Mark", "Drive"])
 @pytest.mark.parametrize("typed", ["help", "agian", "5.0"])
 def test_only_enter_is_enter(question: str, typed: str) -> None:
-    robot = FiledRobot()
-    person = Person(robot, {(question, 1): typed})
-    assert len(guided(robot, person).fitted) == 6
+    person, measured = guided({(question, 1): typed})
+    assert len(measured.fitted) == 6
     assert person.count(question) == len(PLAN) + 1
     assert person.told.count("Press ENTER, or type again or skip.") == 1
 
@@ -159,9 +155,8 @@ def test_only_enter_is_enter(question: str, typed: str) -> None:
     ],
 )
 def test_what_is_no_number_is_asked_again(typed: str) -> None:
-    robot = FiledRobot()
-    person = Person(robot, {("ahead", 2): typed})
-    assert guided(robot, person).fitted[1].measured[-1].x == pytest.approx(5.0)
+    person, measured = guided({("ahead", 2): typed})
+    assert measured.fitted[1].measured[-1].x == pytest.approx(5.0)
     assert person.count("ahead") == len(PLAN) + 1
     assert any("no number" in text for text in person.told)
 
@@ -170,8 +165,7 @@ def test_what_is_no_number_is_asked_again(typed: str) -> None:
     ("typed", "metres"), [("5,012", 5.012), ("5012 mm", 5.012), ("501.2cm", 5.012), ("+5.012 m", 5.012), ("5.", 5.0)]
 )
 def test_a_number_may_have_a_comma_and_a_unit(typed: str, metres: float) -> None:
-    robot = FiledRobot()
-    measured = guided(robot, Person(robot, {("ahead", 1): typed}))
+    _, measured = guided({("ahead", 1): typed})
     assert measured.fitted[0].measured[-1].x == pytest.approx(metres)
 
 
@@ -187,35 +181,27 @@ def test_a_number_may_have_a_comma_and_a_unit(typed: str, metres: float) -> None
     ],
 )
 def test_a_measure_that_no_wheels_explain_is_asked_again(what: str, typed: str, cause: str) -> None:
-    robot = FiledRobot()
-    person = Person(robot, {(what, 1): typed})
-    assert guided(robot, person).fitted[0].measured[-1][1:] == pytest.approx((5.0, 0.0, 0.0), abs=1e-9)
+    person, measured = guided({(what, 1): typed})
+    assert measured.fitted[0].measured[-1][1:] == pytest.approx((5.0, 0.0, 0.0), abs=1e-9)
     assert any(cause in text for text in person.told), person.told
     assert person.count("Drive") == len(PLAN), "it is measured again, not driven again"
 
 
 def test_a_run_is_left_out_or_done_again_by_a_word() -> None:
-    robot = FiledRobot()
-    acts: dict[tuple[str, int], Act | str] = {("Mark", 2): "skip", ("aside", 2): "again", ("ENTER", 1): "17"}
-    person = Person(robot, acts)
-    measured = guided(robot, person)
+    person, measured = guided({("Mark", 2): "skip", ("aside", 2): "again", ("ENTER", 1): "17"})
     assert [run.name for run in measured.fitted][:3] == ["line 1", "line 3", "line 4"]
     assert person.count("Drive") == len(PLAN)  # one less, one more
     assert any("17: no number of a run" in text for text in person.told)
 
 
 def test_at_the_end_one_may_be_done_again_after_all() -> None:
-    robot = FiledRobot()
-    person = Person(robot, {("ENTER", 1): "3", ("ahead", 9): "5.02"})
-    measured = guided(robot, person)
+    _, measured = guided({("ENTER", 1): "3", ("ahead", 9): "5.02"})
     assert [run.measured[-1].x for run in measured.fitted[:4]] == pytest.approx([5.0, 5.0, 5.02, 5.0])
 
 
 @pytest.mark.parametrize(("what", "typed"), [("aside", "0.3"), ("ahead", "5.1"), ("heading", "8deg")])
 def test_a_run_that_does_not_agree_with_the_others_is_named(what: str, typed: str) -> None:
-    robot = FiledRobot()
-    person = Person(robot, {(what, 3): typed, ("ENTER", 1): "3"})
-    measured = guided(robot, person)
+    person, measured = guided({(what, 3): typed, ("ENTER", 1): "3"})
     named = [text for text in person.told if "does not agree" in text]
     assert len(named) == 1
     assert named[0].startswith("line 3"), named
@@ -223,17 +209,13 @@ def test_a_run_that_does_not_agree_with_the_others_is_named(what: str, typed: st
 
 
 def test_runs_that_tell_too_little_are_named() -> None:
-    robot = FiledRobot()
-    person = Person(robot, {("Mark", 5): "skip", ("Mark", 6): "skip"})
-    guided(robot, person)
+    person, _ = guided({("Mark", 5): "skip", ("Mark", 6): "skip"})
     assert any("not determined" in text for text in person.told)
 
 
 def test_nobody_who_answers_ends_it() -> None:
-    robot = FiledRobot()
-
     def leave() -> str:
         raise NobodyError
 
     with pytest.raises(NobodyError):
-        guided(robot, Person(robot, {("Drive", 3): leave}))
+        guided({("Drive", 3): leave})

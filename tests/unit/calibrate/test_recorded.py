@@ -24,9 +24,8 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT
 from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of, turn
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff, typed
 
-Typed = Callable[..., tuple[int, str, str]]
 METADATA = str(DATA / "square-a_metadata.csv")
 FIT = tuple(f"--fit={DATA / f'square-a_run-0{number}.csv'}" for number in (1, 2, 4, 5))
 CHECK = tuple(f"--check={DATA / f'square-a_run-0{number}.csv'}" for number in (3, 6))
@@ -35,7 +34,7 @@ OTHERS = ("--metadata", METADATA, *FIT, *CHECK)
 
 
 @pytest.fixture
-def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Typed:
+def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Giraff:
     """Types `giraff calibrate odometry` in a folder of its own: exit code, output, complaint."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("GIRAFF_CONFIG", raising=False)
@@ -43,7 +42,7 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
 
 
 @pytest.fixture
-def robot_file(monkeypatch: pytest.MonkeyPatch, say: Typed, tmp_path: Path) -> Path:
+def robot_file(monkeypatch: pytest.MonkeyPatch, say: Giraff, tmp_path: Path) -> Path:
     """Of a robot like the one that `driven` makes up, in a folder of its own."""
     del say  # it has set the folder
     path = tmp_path / "robot" / "robot.toml"
@@ -86,7 +85,7 @@ def made_up(folder: Path, scales: Scales, *, seed: int = 0, runs: int = 6) -> No
         save(folder / f"run-{number}.csv", tabled(run))
 
 
-def test_it_tells_people_and_programs_what_it_found_in_runs_named_by_patterns_commas_and_again(say: Typed) -> None:
+def test_it_tells_people_and_programs_what_it_found_in_runs_named_by_patterns_commas_and_again(say: Giraff) -> None:
     code, out, told = wanted = say(*OTHERS, "--json")
     assert code == 0
     assert "square-a_run-03.csv" in told
@@ -102,7 +101,7 @@ def test_it_tells_people_and_programs_what_it_found_in_runs_named_by_patterns_co
     assert say("--metadata", METADATA, "--fit", pattern, "--check", both, "--json") == wanted
 
 
-def test_a_robots_own_runs_are_written_into_its_file(say: Typed, robot_file: Path, tmp_path: Path) -> None:
+def test_a_robots_own_runs_are_written_into_its_file(say: Giraff, robot_file: Path, tmp_path: Path) -> None:
     true = Scales(1.01, 0.99, 1.03)
     made_up(tmp_path, true)
     before = robot_file.read_text(encoding="utf-8")
@@ -122,29 +121,31 @@ def test_a_robots_own_runs_are_written_into_its_file(say: Typed, robot_file: Pat
     assert json.loads(out)["robot_file"] == str(robot_file)
 
 
-def test_a_wheel_far_from_before_takes_force(say: Typed, robot_file: Path, tmp_path: Path) -> None:
-    made_up(tmp_path, Scales(1.06, 1.06, 1.06))
+@pytest.mark.parametrize(
+    ("scales", "told"),
+    [
+        (Scales(1.06, 1.06, 1.06), "left wheel would change by +6.0 %, more than 5 %"),
+        (Scales(1.0, 1.0, 1.12), "track would change by +1"),
+    ],
+)
+def test_a_wheel_or_a_track_far_from_before_takes_force(
+    say: Giraff, robot_file: Path, tmp_path: Path, scales: Scales, told: str
+) -> None:
+    made_up(tmp_path, scales)
     words = ("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
     before = robot_file.read_text(encoding="utf-8")
     line = refused(say(*words), 1)
-    assert "left wheel would change by +6.0 %, more than 5 %" in line
+    assert told in line
     assert "give --force" in line
     assert robot_file.read_text(encoding="utf-8") == before
     assert say(*words, "--force")[0] == 0
-    assert load("robot", RobotConfig).calibration.left_wheel_scale == pytest.approx(1.06, abs=0.002)
-
-
-def test_a_track_far_from_before_takes_force(say: Typed, robot_file: Path, tmp_path: Path) -> None:
-    made_up(tmp_path, Scales(1.0, 1.0, 1.12))
-    words = ("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
-    assert "track would change by +1" in refused(say(*words), 1)
-    assert say(*words, "--force")[0] == 0
-    assert robot_file.exists()
+    found = load("robot", RobotConfig).calibration
+    assert found.left_wheel_scale == pytest.approx(scales.left_wheel, abs=0.002)
 
 
 @pytest.mark.parametrize("force", [(), ("--force",)])
 def test_what_makes_the_checked_runs_worse_is_refused(
-    say: Typed, robot_file: Path, tmp_path: Path, force: tuple[str, ...]
+    say: Giraff, robot_file: Path, tmp_path: Path, force: tuple[str, ...]
 ) -> None:
     """Fitted to one robot, checked on another."""
     made_up(tmp_path, Scales(1.02, 0.98, 1.05), runs=4)
@@ -159,7 +160,7 @@ def test_what_makes_the_checked_runs_worse_is_refused(
     assert "those stay" in json.loads(out)["refused"]
 
 
-def test_one_run_that_gets_worse_is_named_though_the_mean_is_better(say: Typed, tmp_path: Path) -> None:
+def test_one_run_that_gets_worse_is_named_though_the_mean_is_better(say: Giraff, tmp_path: Path) -> None:
     made_up(tmp_path, Scales(1.02, 0.98, 1.05))
     (tmp_path / "other").mkdir()
     made_up(tmp_path / "other", Scales(0.995, 1.005, 0.99), seed=1, runs=1)
@@ -168,7 +169,7 @@ def test_one_run_that_gets_worse_is_named_though_the_mean_is_better(say: Typed, 
     assert "Worse than before: other/run-0.csv." in done[1]
 
 
-def test_what_does_not_tell_the_scales_is_refused(say: Typed, tmp_path: Path) -> None:
+def test_what_does_not_tell_the_scales_is_refused(say: Giraff, tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     files = []
     for number in range(2):
@@ -204,7 +205,7 @@ BAD: dict[str, tuple[str | bytes, str]] = {
 }
 
 
-def test_a_file_that_is_no_run_is_told_with_its_row(say: Typed, tmp_path: Path, robot_file: Path) -> None:
+def test_a_file_that_is_no_run_is_told_with_its_row(say: Giraff, tmp_path: Path, robot_file: Path) -> None:
     path, good = tmp_path / "bad.csv", tmp_path / "good.csv"
     good.write_text("0,0,0,0,0,0\n0.1,0.05,0,0,530,530\n")
     before = robot_file.read_text(encoding="utf-8")
@@ -216,7 +217,7 @@ def test_a_file_that_is_no_run_is_told_with_its_row(say: Typed, tmp_path: Path, 
         assert robot_file.read_text(encoding="utf-8") == before
 
 
-def test_a_file_that_is_not_there_is_told(say: Typed, tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_is_told(say: Giraff, tmp_path: Path) -> None:
     assert "no-such.csv: there is no such file" in refused(say(*OTHERS, "--fit", "no-such.csv"))
     assert "is a folder; name the files in it" in refused(say(*OTHERS, "--fit", tmp_path))
     assert "--fit no-*.csv: no file is called like that" in refused(say(*OTHERS, "--fit", "no-*.csv"))
@@ -228,7 +229,7 @@ def test_a_file_that_is_not_there_is_told(say: Typed, tmp_path: Path) -> None:
     assert "are for a live robot" in refused(say(*OTHERS, "--robot", "otto"))
 
 
-def test_a_run_is_fitted_or_checked_and_once(say: Typed, tmp_path: Path) -> None:
+def test_a_run_is_fitted_or_checked_and_once(say: Giraff, tmp_path: Path) -> None:
     one = DATA / "square-a_run-01.csv"
     shutil.copy(one, tmp_path / "copy.csv")
     assert "is there twice; a run is fitted or checked, and once" in refused(say(*OTHERS, "--check", one))
@@ -283,7 +284,7 @@ SLIPS: dict[str, tuple[Callable[[Floats], Floats], str]] = {
 
 
 @pytest.mark.parametrize("name", SLIPS)
-def test_columns_that_cannot_be_so_are_named(say: Typed, tmp_path: Path, name: str) -> None:
+def test_columns_that_cannot_be_so_are_named(say: Giraff, tmp_path: Path, name: str) -> None:
     """In the file of one run, and in the table of another as it was read."""
     change, expected = SLIPS[name]
     path = save(tmp_path / "bad.csv", change(table_of("square-a_run-02")))
@@ -308,7 +309,7 @@ def test_a_marker_is_named_on_whole_turns_too(geometry: Geometry) -> None:
                 require_plausible("spin", beside(table, *offset), geometry)
 
 
-def test_times_may_have_gaps_where_counts_are_summed_up_and_any_unit(say: Typed, tmp_path: Path) -> None:
+def test_times_may_have_gaps_where_counts_are_summed_up_and_any_unit(say: Giraff, tmp_path: Path) -> None:
     table = table_of("square-a_run-01").copy()
     table[500, 4:] += table[400:500, 4:].sum(axis=0)
     table = np.delete(table, np.s_[400:500], axis=0)
@@ -335,7 +336,7 @@ BAD_METADATA: dict[str, tuple[dict[str, str | None], str]] = {
 
 
 @pytest.mark.parametrize("name", BAD_METADATA)
-def test_metadata_that_no_robot_can_have_are_told(say: Typed, tmp_path: Path, name: str) -> None:
+def test_metadata_that_no_robot_can_have_are_told(say: Giraff, tmp_path: Path, name: str) -> None:
     changes, expected = BAD_METADATA[name]
     rows = {**METADATA_ROWS, **changes}
     path = tmp_path / "metadata.csv"
@@ -344,7 +345,7 @@ def test_metadata_that_no_robot_can_have_are_told(say: Typed, tmp_path: Path, na
     assert f"{path}: {expected}" in line or (str(path) in line and expected in line)
 
 
-def test_metadata_that_are_not_there_are_told(say: Typed, tmp_path: Path) -> None:
+def test_metadata_that_are_not_there_are_told(say: Giraff, tmp_path: Path) -> None:
     assert "there is no such file" in refused(say("--metadata", "none.csv", *FIT, *CHECK))
     assert "is a folder; --metadata takes one file" in refused(say("--metadata", tmp_path, *FIT, *CHECK))
     (tmp_path / "binary").write_bytes(b"\xff\xfe")
@@ -354,7 +355,7 @@ def test_metadata_that_are_not_there_are_told(say: Typed, tmp_path: Path) -> Non
 
 
 def test_a_full_disk_leaves_the_robot_file_as_it_was(
-    say: Typed, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    say: Giraff, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made_up(tmp_path, Scales(1.01, 0.99, 1.03))
     before = robot_file.read_text(encoding="utf-8")

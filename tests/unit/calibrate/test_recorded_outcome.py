@@ -11,18 +11,8 @@ from giraff_cli.calibrate.judgement import Checked, Judgement
 from giraff_cli.calibrate.recorded import tables
 from giraff_core.kinematics.calibration import Scales
 from tests.unit.calibrate.recorded import table_of
-from tests.unit.calibrate.test_recorded import (
-    CHECK,
-    FIT,
-    METADATA,
-    OTHERS,
-    Typed,
-    made_up,
-    refused,
-    robot_file,
-    save,
-    say,
-)
+from tests.unit.calibrate.test_recorded import CHECK, FIT, METADATA, OTHERS, made_up, refused, robot_file, save, say
+from tests.unit.cli.typed import Giraff
 
 __all__ = ["robot_file", "say"]
 TABLE = table_of("square-a_run-04")
@@ -34,7 +24,7 @@ def contents(folder: Path) -> dict[Path, bytes]:
 
 
 @pytest.mark.parametrize("session", ["", "square-a", "square-b"])
-def test_the_same_runs_once_more_gain_nothing(say: Typed, robot_file: Path, tmp_path: Path, session: str) -> None:
+def test_the_same_runs_once_more_gain_nothing(say: Giraff, robot_file: Path, tmp_path: Path, session: str) -> None:
     words: tuple[str, ...] = OWN
     if session:
         words = tuple(word.replace("square-a", session) for word in (*FIT, *CHECK))
@@ -55,7 +45,7 @@ def test_the_same_runs_once_more_gain_nothing(say: Typed, robot_file: Path, tmp_
 
 
 def test_a_robot_that_is_as_it_was_built_is_calibrated_all_the_same(
-    say: Typed, robot_file: Path, tmp_path: Path
+    say: Giraff, robot_file: Path, tmp_path: Path
 ) -> None:
     """Its factors stay; that they are known is new."""
     made_up(tmp_path, Scales(1.0, 1.0, 1.0))
@@ -72,7 +62,7 @@ def test_less_than_a_tenth_of_a_millimetre_is_not_worse() -> None:
     assert "0.0036 m off on average, and 0.0035 m" in judgement.refusal
 
 
-def test_a_run_at_rest_is_told_as_one(say: Typed, tmp_path: Path) -> None:
+def test_a_run_at_rest_is_told_as_one(say: Giraff, tmp_path: Path) -> None:
     """Its encoders flutter by a count."""
     table = TABLE[:24].copy()
     table[1::2, 4], table[2::2, 4] = 1, -1
@@ -81,7 +71,7 @@ def test_a_run_at_rest_is_told_as_one(say: Typed, tmp_path: Path) -> None:
 
 
 def test_a_run_of_too_many_rows_says_how_to_thin_it(
-    say: Typed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    say: Giraff, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tables, "MOST_ROWS", 100)
     save(tmp_path / "enough.csv", TABLE[:100])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,9 @@ from giraff_node.network import tokens
 from giraff_schemas.topics import alive_key
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import alone, meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 Words = tuple[str, ...]
-Typed = Callable[..., tuple[int, str, str]]
 DRIVE = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
 SERVICES = ("base", "guard", "joystick", "odometry", "ranger")
 
@@ -75,14 +74,8 @@ UNKNOWN: Mapping[str, tuple[Words, str]] = {
     "topic pub": (("odmo", "{}", "--robot", "sim-test"), "nobody listens to it; did you mean odom?"),
     "node info": (("gard",), "no service 'gard' on the network; did you mean guard? there are: base, guard, "),
     "camera view": (("eye", "--save", "FILE"), "no camera of sim-test is heard; check that giraff_camera runs"),
-    "param set": (
-        ("gaurd.margin", "0.5", "--robot", "sim-test"),
-        NO_SUCH_SERVICE,
-    ),
-    "param save": (
-        ("gaurd.margin", "--robot", "sim-test"),
-        NO_SUCH_SERVICE,
-    ),
+    "param set": (("gaurd.margin", "0.5", "--robot", "sim-test"), NO_SUCH_SERVICE),
+    "param save": (("gaurd.margin", "--robot", "sim-test"), NO_SUCH_SERVICE),
     "record": (("--topics", "odmo"), "no such topic; did you mean odom? there are tick, "),
     "play": ((str(DRIVE), "--topics", "odmo"), "has no such key; did you mean odom? it has base, "),
 }
@@ -141,13 +134,13 @@ def test_no_command_is_left_out() -> None:
 
 
 @pytest.fixture
-def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Typed:
+def say(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path) -> Giraff:
     """Types a command on a host that knows of no robot: exit code, output and complaint."""
     alone(monkeypatch, tmp_path)
 
     def say(path: str, words: Words, *more: str) -> tuple[int, str, str]:
         given = (str(tmp_path / "new") if word == "FILE" else word for word in words)
-        return typed(monkeypatch, capsys, *path.split(), *given, *more)
+        return giraff(*path.split(), *given, *more)
 
     return say
 
@@ -167,7 +160,7 @@ def told(path: str, done: tuple[int, str, str]) -> str:
 
 
 @pytest.mark.parametrize("path", ASKING)
-def test_with_no_robot_it_says_so(path: str, say: Typed, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_with_no_robot_it_says_so(path: str, say: Giraff, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     network = meet(monkeypatch)
     said = told(path, say(path, ASKING[path]))
     assert network.opened == 1
@@ -177,7 +170,7 @@ def test_with_no_robot_it_says_so(path: str, say: Typed, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("path", [path for path in ASKING if path not in STOPS])
-def test_with_two_robots_it_lists_them(path: str, say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_with_two_robots_it_lists_them(path: str, say: Giraff, monkeypatch: pytest.MonkeyPatch) -> None:
     """And leaves out names that no robot can have, which a stranger may declare."""
     monkeypatch.setattr(tokens, "_told", set())
     two = (alive_key("sim-other", "base", "1"), alive_key("sim-test", "base", "2"))
@@ -196,7 +189,7 @@ def test_with_two_robots_it_lists_them(path: str, say: Typed, monkeypatch: pytes
 
 @pytest.mark.parametrize("path", [path for path in ASKING if path not in STOPS])
 def test_a_robot_that_is_not_there_is_named_with_those_that_are(
-    path: str, say: Typed, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    path: str, say: Giraff, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     meet(monkeypatch, alive_key("sim-test", "base", "1"))
     said = told(path, say(path, ASKING[path], "--robot", "otto"))
@@ -207,7 +200,7 @@ def test_a_robot_that_is_not_there_is_named_with_those_that_are(
 
 @pytest.mark.parametrize("path", UNKNOWN)
 def test_what_the_robot_has_not_is_told_with_what_it_has(
-    path: str, say: Typed, monkeypatch: pytest.MonkeyPatch
+    path: str, say: Giraff, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     meet(monkeypatch, *(alive_key("sim-test", service, service) for service in SERVICES))
     words, expected = UNKNOWN[path]
@@ -217,8 +210,7 @@ def test_what_the_robot_has_not_is_told_with_what_it_has(
     assert expected in line
 
 
-def test_a_mistyped_robot_is_told_with_the_one_that_was_meant(say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mistyped_robot_is_told_with_the_one_that_was_meant(say: Giraff, monkeypatch: pytest.MonkeyPatch) -> None:
     meet(monkeypatch, alive_key("sim-test", "base", "1"))
-    assert "did you mean sim-test? on the network: --robot sim-test" in told(
-        "why", say("why", (), "--robot", "sim-tset")
-    )
+    said = told("why", say("why", (), "--robot", "sim-tset"))
+    assert "did you mean sim-test? on the network: --robot sim-test" in said

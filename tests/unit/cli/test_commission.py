@@ -13,16 +13,14 @@ import tomlkit
 from giraff_cli.commission.steps import STEPS
 from giraff_core.robot import WIRING
 from giraff_sim.board import ROOT
-from tests.unit.cli.typed import Giraff, typed
+from tests.unit.cli.typed import Giraff
 
 STOCK = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
 TITLES = [step.title for step in STEPS]
 
 
-def standings(
-    path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> tuple[int, dict[str, str], dict[str, dict[str, str]]]:
-    code, out, err = typed(monkeypatch, capsys, "commission", "--file", str(path), "--json")
+def standings(path: Path, giraff: Giraff) -> tuple[int, dict[str, str], dict[str, dict[str, str]]]:
+    code, out, err = giraff("commission", "--file", str(path), "--json")
     assert not err
     told = json.loads(out)
     assert told["robot_file"] == str(path)
@@ -50,26 +48,22 @@ def test_the_page_has_the_steps_in_their_order() -> None:
     assert headings == [f"{number}. {title}" for number, title in enumerate(TITLES, 1)]
 
 
-def test_what_is_left_is_told_until_the_file_has_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_left_is_told_until_the_file_has_it(tmp_path: Path, giraff: Giraff) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(STOCK, encoding="utf-8")
-    code, told, _ = standings(path, monkeypatch, capsys)
+    code, told, _ = standings(path, giraff)
     assert (code, list(told)) == (1, TITLES)
     assert "done" not in told.values()
     _, out, _ = giraff("commission", "--file", str(path))
     assert f"{path}: 7 left. Next: how the wheels are wired, by giraff check wheels." in " ".join(out.split())
 
     path.write_text(tomlkit.dumps(done()), encoding="utf-8")
-    code, told, _ = standings(path, monkeypatch, capsys)
+    code, told, _ = standings(path, giraff)
     assert (code, set(told.values())) == (0, {"done", "look"})
 
 
-def test_a_robot_that_balances_has_no_steps_of_wheels(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    _, told, rows = standings(ROOT / "deploy" / "robots" / "balancer.toml", monkeypatch, capsys)
+def test_a_robot_that_balances_has_no_steps_of_wheels(giraff: Giraff) -> None:
+    _, told, rows = standings(ROOT / "deploy" / "robots" / "balancer.toml", giraff)
     assert not {"What the encoders give", "Speeds that are held"} & told.keys()
     assert told["The battery"] == "done"
     assert rows["How the wheels are wired"]["how"] == "docs/build-a-balancer.md"
@@ -100,12 +94,7 @@ def test_a_robot_that_balances_has_no_steps_of_wheels(
     ],
 )
 def test_what_the_services_refuse_is_left_with_the_reason(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    fields: dict[str, Any],
-    steps: tuple[str, ...],
-    why: str,
+    tmp_path: Path, giraff: Giraff, fields: dict[str, Any], steps: tuple[str, ...], why: str
 ) -> None:
     path = tmp_path / "robot.toml"
     document = done()
@@ -116,7 +105,7 @@ def test_what_the_services_refuse_is_left_with_the_reason(
             within = within[table]
         within[name] = value
     path.write_text(tomlkit.dumps(document), encoding="utf-8")
-    code, _, rows = standings(path, monkeypatch, capsys)
+    code, _, rows = standings(path, giraff)
     left = {title: row["why"] for title, row in rows.items() if row["standing"] == "left"}
     assert code == 1
     assert left.keys() >= set(steps)
@@ -127,11 +116,11 @@ def test_what_the_services_refuse_is_left_with_the_reason(
     ("text", "why"), [("", "[base]: `port` is missing"), ('[base]\nport = "x"', "there is no [base.drive]")]
 )
 def test_a_file_that_says_nothing_of_the_drive_hides_no_step(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], text: str, why: str
+    tmp_path: Path, giraff: Giraff, text: str, why: str
 ) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(text, encoding="utf-8")
-    _, told, rows = standings(path, monkeypatch, capsys)
+    _, told, rows = standings(path, giraff)
     assert list(told) == TITLES
     assert why in rows["How the wheels are wired"]["why"]
     look = ["The joystick's level and axes", "First start", "Before it is left to others"]

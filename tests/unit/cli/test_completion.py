@@ -17,7 +17,7 @@ from giraff_schemas.codec import encode
 from giraff_schemas.health import Health
 from giraff_schemas.params import Param, ParamAnswer
 from giraff_schemas.topics import alive_key
-from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.quiet_network import alone, meet
 from tests.unit.cli.test_any_command import whole_commands
 
 HOSTILE = ("x;reboot", "$(reboot)", "`reboot`", "a\nb", "\x1b]0;x\a", "--for", "-x", "a b", "'", "é")
@@ -37,10 +37,7 @@ def completed(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Two robots; all that answers has hostile names, too."""
-    monkeypatch.chdir(tmp_path)
-    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
+    alone(monkeypatch, tmp_path)
     quiet = meet(monkeypatch, *TOKENS, *(f"giraff/{name}/alive/base/x" for name in ("x;reboot", "`reboot`", "a\nb")))
     opened = quiet.open
 

@@ -18,7 +18,7 @@ from tests.unit.cli.scenes import CAUSES, HAND, NOW, Scene, blocked, command, fa
 
 
 @pytest.mark.parametrize("cause", CAUSES)
-def test_the_link_to_blame_is_named_with_the_way_out(cause: str) -> None:
+def test_the_link_to_blame_is_named_with_the_way_out_and_no_other(cause: str) -> None:
     change, link, told = CAUSES[cause]
     chain = Scene()
     change(chain)
@@ -26,15 +26,7 @@ def test_the_link_to_blame_is_named_with_the_way_out(cause: str) -> None:
     assert diagnosis.stopped_by == link, shown(diagnosis.links)
     assert diagnosis.conclusion.startswith(f"{link}: ")
     assert told in diagnosis.conclusion
-
-
-@pytest.mark.parametrize("cause", CAUSES)
-def test_no_link_is_blamed_for_another(cause: str) -> None:
-    change, link, _ = CAUSES[cause]
-    chain = Scene()
-    change(chain)
-    blamed = [each.name for each in chain.diagnosis().links if each.breaks]
-    assert blamed == [link], shown(chain.diagnosis().links)
+    assert [each.name for each in diagnosis.links if each.breaks] == [link], shown(diagnosis.links)
 
 
 def shown(links: Iterable[Any]) -> str:
@@ -98,16 +90,14 @@ def test_what_waits_names_the_link_to_read() -> None:
 
 
 def test_a_camera_that_is_on_is_no_fault() -> None:
-    chain = Scene()
-    chain.put(topics.CAMERA_STATE, camera("ann@desk"), "c", "head")
+    chain = Scene().put(topics.CAMERA_STATE, camera("ann@desk"), "c", "head")
     diagnosis = chain.diagnosis()
     assert diagnosis.cameras == ("camera head is seen by ann@desk",)
     assert diagnosis.conclusion == "nothing stops the robot: it drives when the hand asks for it"
 
 
 def test_the_wheels_of_a_robot_that_balances_are_told_with_how_it_holds_itself() -> None:
-    chain = Scene()
-    chain.put(topics.ATTITUDE, attitude(0), "b")
+    chain = Scene().put(topics.ATTITUDE, attitude(0), "b")
     told = "motor commands of 0 and 0 of 255; stands: leans 1.5°, -12 N m"
     wheels = chain.diagnosis().links[-1]
     assert (wheels.standing, wheels.text.endswith(told)) == ("ok", True), wheels.text
@@ -117,8 +107,7 @@ def test_the_wheels_of_a_robot_that_balances_are_told_with_how_it_holds_itself()
 
 
 def test_a_robot_that_drives_does() -> None:
-    chain = Scene()
-    chain.put(topics.OPERATOR_CMD_VEL, command(0.3), HAND, "joystick")
+    chain = Scene().put(topics.OPERATOR_CMD_VEL, command(0.3), HAND, "joystick")
     chain.put(topics.BASE, base(), "b")
     assert chain.diagnosis().drives
     assert chain.diagnosis().conclusion == "the robot drives"
@@ -137,8 +126,7 @@ def test_what_base_notices_is_told_once_on_its_row_also_while_the_robot_stands()
 
 
 def test_what_is_in_the_way_of_a_level_hand_only_limits() -> None:
-    chain = Scene()
-    chain.put(topics.GUARD, state(forward=blocked()), "g")
+    chain = Scene().put(topics.GUARD, state(forward=blocked()), "g")
     diagnosis = chain.diagnosis()
     assert diagnosis.stopped_by == ""
     assert diagnosis.conclusion.startswith(
@@ -147,8 +135,7 @@ def test_what_is_in_the_way_of_a_level_hand_only_limits() -> None:
 
 
 def test_a_turn_is_judged_where_a_turn_is_asked_for() -> None:
-    chain = Scene()
-    chain.put(topics.OPERATOR_CMD_VEL, command(angular=0.5), HAND, "joystick")
+    chain = Scene().put(topics.OPERATOR_CMD_VEL, command(angular=0.5), HAND, "joystick")
     chain.put(topics.GUARD, state(forward=blocked(), backward=blocked()), "g")
     assert chain.diagnosis().stopped_by == ""
     chain.put(topics.GUARD, state(turn_left=blocked()), "g")
@@ -194,7 +181,6 @@ def test_a_sample_of_long_ago_tells_nothing_of_now() -> None:
 
 
 def test_a_reading_s_name_is_the_sensor_s() -> None:
-    chain = Scene()
-    chain.put(topics.RANGE, reading("rear", None, "clear"), "r", "rear")
+    chain = Scene().put(topics.RANGE, reading("rear", None, "clear"), "r", "rear")
     [ranger] = [link for link in chain.diagnosis().links if link.name == "ranger"]
     assert ranger.text == "front_left 1.50 m, front_right 1.50 m, rear clear"

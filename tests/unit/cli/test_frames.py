@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from html import unescape
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import pytest
@@ -19,7 +18,7 @@ from giraff_core.kinematics.frames import FrameTree
 from giraff_schemas.frames import Transform
 from giraff_schemas.topics import alive_key
 from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 
 
 def frame(parent: str, child: str) -> Transform:
@@ -103,7 +102,7 @@ def test_whatever_is_told_can_be_drawn(told: list[Transform]) -> None:
 
 
 @pytest.fixture
-def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[..., Any]:
+def say(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path) -> Giraff:
     """Types `giraff frames` where these frames are told: exit code, output and complaint."""
     monkeypatch.chdir(tmp_path)
     meet(monkeypatch, alive_key("sim-test", "base", "b0"))
@@ -112,12 +111,12 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
 
     def say(*words: str, more: Sequence[Transform] = ()) -> tuple[int, str, str]:
         told.extend(more)
-        return typed(monkeypatch, capsys, "frames", *words)
+        return giraff("frames", *words)
 
     return say
 
 
-def test_the_pose_of_one_in_another_is_printed(say: Callable[..., Any]) -> None:
+def test_the_pose_of_one_in_another_is_printed(say: Giraff) -> None:
     code, output, complaint = say("--from", "laser", "--to", "odom")
     assert (code, complaint) == (0, "")
     assert output.startswith("laser in odom, now\nx        1.000 m\n")
@@ -127,20 +126,18 @@ def test_the_pose_of_one_in_another_is_printed(say: Callable[..., Any]) -> None:
     assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.0, 1.0, -math.pi / 2))
 
 
-def test_where_localization_tells_of_the_map_the_tree_begins_there(say: Callable[..., Any]) -> None:
+def test_where_localization_tells_of_the_map_the_tree_begins_there(say: Giraff) -> None:
     code, _, complaint = say("--from", "base_link", "--to", "map")
     assert (code, "check that giraff_localization runs" in complaint) == (2, True)
     placed = msgspec.structs.replace(frame("map", "odom"), x=4.0, yaw=math.pi / 2, fixed=False)
     code, output, _ = say("--from", "base_link", "--to", "map", more=[placed])
-    assert (code, output.splitlines()[:3]) == (
-        0,
-        ["base_link in map, now", "x        4.000 m", "y        1.000 m"],
-    )
+    assert code == 0
+    assert output.startswith("base_link in map, now\nx        4.000 m\ny        1.000 m\n")
     code, output, _ = say(more=[placed])
     assert (code, output.splitlines()[0]) == (0, "map")
 
 
-def test_what_cannot_be_told_says_why(say: Callable[..., Any]) -> None:
+def test_what_cannot_be_told_says_why(say: Giraff) -> None:
     code, _, complaint = say("--from", "lasre", "--to", "odom")
     assert code == 2
     assert "no frame is called 'lasre', those that are known: <lens>, base_link, laser, odom" in complaint
@@ -158,13 +155,13 @@ def test_what_cannot_be_told_says_why(say: Callable[..., Any]) -> None:
         (("--from", "laser", "--to", "odom", "--dot"), "give one of --svg, --dot"),
     ],
 )
-def test_what_does_not_go_together_is_refused(say: Callable[..., Any], words: Sequence[str], says: str) -> None:
+def test_what_does_not_go_together_is_refused(say: Giraff, words: Sequence[str], says: str) -> None:
     code, output, complaint = say(*words)
     assert (code, output) == (2, "")
     assert says in complaint
 
 
-def test_it_is_drawn_into_a_file_and_never_over_what_is_none(say: Callable[..., Any], tmp_path: Path) -> None:
+def test_it_is_drawn_into_a_file_and_never_over_what_is_none(say: Giraff, tmp_path: Path) -> None:
     code, output, _ = say("--svg", "frames.svg")
     assert (code, output.count("\n")) == (0, 4)
     assert texts((tmp_path / "frames.svg").read_text()) == texts(draw(FOUND))

@@ -141,31 +141,25 @@ def test_a_truth_through_a_wall_is_of_another_room() -> None:
     assert TrueWay(None).doubt == "this map does not say where a run starts on it"
 
 
-@pytest.fixture
-def recording(tmp_path: Path) -> Path:
-    """Of that drive, with more in it than is needed."""
-    path = tmp_path / "drive.mcap"
-    tables = {"robot": robot_table()}
-    with RecordingWriter(path, ABOUT | {"tables": json.dumps(tables)}) as writer:
-        said = [*drive(), (BASE, "", stamped(base(), 0, 0, "b"), 4000)]
-        writer.add(
-            [
-                RawSample(
-                    ms * MS,
-                    key_of("sim-test", topic).replace("*", name),
-                    encode(sample),
-                    str(encoding_of(topic.schema)),
-                )
-                for topic, name, sample, ms in said
-            ]
-        )
+def recorded(path: Path, said: list[tuple[Topic[Any], str, Sample, int]]) -> Path:
+    """Write a recording of these, with the table of the robot."""
+    table = tomllib.loads((ROOT / "deploy" / "robot.toml").read_text())["robot"]
+    with RecordingWriter(path, ABOUT | {"tables": json.dumps({"robot": table})}) as writer:
+        for topic, name, sample, ms in said:
+            key = key_of("sim-test", topic).replace("*", name)
+            writer.add([RawSample(ms * MS, key, encode(sample), str(encoding_of(topic.schema)))])
         writer.close("test")
     return path
 
 
-def robot_table() -> dict[str, Any]:
-    table: dict[str, Any] = tomllib.loads((ROOT / "deploy" / "robot.toml").read_text())["robot"]
-    return table
+OTHER = (BASE, "", stamped(base(), 0, 0, "b"), 4000)
+"""More than is needed."""
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Path:
+    """Of that drive."""
+    return recorded(tmp_path / "drive.mcap", [*drive(), OTHER])
 
 
 BOX = ((0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 5.0), (6.0, 5.0, 0.0, 5.0), (0.0, 5.0, 0.0, 0.0))
@@ -207,10 +201,8 @@ def test_a_map_without_room_for_the_robot_is_none(
     assert "no room for a robot" in complaint
 
 
-def test_without_a_room_the_truth_is_left_out(
-    recording: Path, follower: Follower, giraff: Giraff, tmp_path: Path
-) -> None:
-    del follower
+@pytest.mark.usefixtures("follower")
+def test_without_a_room_the_truth_is_left_out(recording: Path, giraff: Giraff, tmp_path: Path) -> None:
     code, out, _ = giraff("localize", "--from", str(recording), "--map", str(tmp_path / "x.yaml"))
     assert code == 0
     assert "off by" not in out
@@ -226,23 +218,17 @@ def test_a_place_that_is_refused_is_no_summary(
     assert giraff("localize", *words, *as_json) == (1, "", "giraff: --at: that is in a wall\n")
 
 
-def test_a_recording_without_odometry_says_so(follower: Follower, giraff: Giraff, tmp_path: Path) -> None:
-    del follower
-    path = tmp_path / "base.mcap"
-    with RecordingWriter(path, ABOUT | {"tables": json.dumps({"robot": robot_table()})}) as writer:
-        sample = encode(stamped(base(), 0, 0, "b"))
-        writer.add([RawSample(MS, key_of("sim-test", BASE), sample, str(encoding_of(BASE.schema)))])
-        writer.close("test")
+@pytest.mark.usefixtures("follower")
+def test_a_recording_without_odometry_says_so(giraff: Giraff, tmp_path: Path) -> None:
+    path = recorded(tmp_path / "base.mcap", [OTHER])
     code, out, complaint = giraff("localize", "--from", str(path), "--map", str(ROOM))
     assert (code, out) == (2, "")
     assert "it has no odom, and so no way; record with odom and range/*" in complaint
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n torn", None])
-def test_a_file_that_is_no_recording_is_one_line(
-    content: bytes | None, follower: Follower, giraff: Giraff, tmp_path: Path
-) -> None:
-    del follower
+@pytest.mark.usefixtures("follower")
+def test_a_file_that_is_no_recording_is_one_line(content: bytes | None, giraff: Giraff, tmp_path: Path) -> None:
     path = tmp_path / "drive.mcap"
     if content is not None:
         path.write_bytes(content)

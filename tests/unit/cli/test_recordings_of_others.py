@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -21,7 +20,7 @@ from giraff_schemas.format import FORMAT
 from giraff_schemas.params import ParamAnswer
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 from tests.unit.replay.drive import begin_of_the_drive
 
 ROOM: Final = """
@@ -42,9 +41,6 @@ NO_JSON: Final = {
 }
 ANSWER: Final = ParamAnswer(service="base", instance="i-1", host="", done=True, params=())
 NO_KEYS: Final = ("giraff/sim-test//camera", "/camera/image", "giraff/sim-test/**")
-
-
-Giraff = Callable[..., tuple[int, str, str]]
 
 
 class Bad(NamedTuple):
@@ -137,10 +133,10 @@ def said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
 
 
 @pytest.fixture
-def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], said: list[str]) -> Giraff:
+def giraff(giraff: Giraff, said: list[str]) -> Giraff:
     """A command, typed where `said` is."""
     assert not said
-    return lambda *words: typed(monkeypatch, capsys, *words)
+    return giraff
 
 
 @pytest.mark.parametrize("command", [command for command in COMMANDS if command != "vision"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from itertools import islice
 from pathlib import Path
@@ -24,13 +24,11 @@ from giraff_vision.policy import VisionPolicy
 from tests.rules.repository import ROOT
 from tests.support.filmed_drive import CAMERA as HEAD
 from tests.support.filmed_drive import Filmed, film
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ABOUT
 
 ROBOT: Final = ROOT / "deploy" / "robot.toml"
 MS: Final = 1_000_000
-
-Giraff = Callable[..., tuple[int, str, str]]
 
 
 @cache
@@ -56,10 +54,10 @@ def heard(odometry: Odometry, number: int) -> Odometry:
 
 
 @pytest.fixture
-def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Giraff:
+def giraff(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path) -> Giraff:
     monkeypatch.setenv("GIRAFF_CONFIG", str(ROBOT))
     monkeypatch.chdir(tmp_path)
-    return lambda *words: typed(monkeypatch, capsys, *words)
+    return giraff
 
 
 def recorded(path: Path, pictures: int, missing: int = -1) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import socket
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,9 +11,7 @@ import pytest
 from giraff_cli.web import devices as it
 from giraff_web.messages import OpenPage
 from giraff_web.server.host import Answer, Ask, run_directory, sockets
-from tests.unit.cli.typed import typed
-
-Call = Callable[..., tuple[int, str, str]]
+from tests.unit.cli.typed import Giraff
 
 
 class Service:
@@ -37,10 +34,10 @@ class Service:
 
 
 @pytest.fixture
-def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Call:
+def giraff(monkeypatch: pytest.MonkeyPatch, giraff: Giraff, tmp_path: Path) -> Giraff:
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "none"))  # where another test may have a service
-    return lambda *words: typed(monkeypatch, capsys, *words)
+    return giraff
 
 
 @pytest.fixture
@@ -59,7 +56,7 @@ def services(monkeypatch: pytest.MonkeyPatch) -> dict[Path, Service | Exception]
     return made
 
 
-def test_the_open_pages_are_listed(giraff: Call, services: dict[Path, Service | Exception]) -> None:
+def test_the_open_pages_are_listed(giraff: Giraff, services: dict[Path, Service | Exception]) -> None:
     services[Path("one")] = Service(8443, 1, "iPhone at 10.0.0.7", "Firefox on Linux at 10.0.0.8", "Edge at 10.0.0.9")
     services[Path("two")] = Service(40123, 0)
     code, out, err = giraff("web", "--devices")
@@ -79,7 +76,9 @@ def test_the_open_pages_are_listed(giraff: Call, services: dict[Path, Service | 
 
 
 @pytest.mark.parametrize("name", ["2", "8443/2", "firefox on linux", "10.0.0.8", "Firefox on Linux at 10.0.0.8"])
-def test_one_is_ended_by_what_it_is_called(giraff: Call, services: dict[Path, Service | Exception], name: str) -> None:
+def test_one_is_ended_by_what_it_is_called(
+    giraff: Giraff, services: dict[Path, Service | Exception], name: str
+) -> None:
     service = services[Path("one")] = Service(8443, 1, "iPhone at 10.0.0.7", "Firefox on Linux at 10.0.0.8")
     assert giraff("web", "--end", name) == (0, "8443/2 (Firefox on Linux at 10.0.0.8) is ended\n", "")
     assert service.ended == [2]
@@ -95,7 +94,7 @@ def test_one_is_ended_by_what_it_is_called(giraff: Call, services: dict[Path, Se
     ],
 )
 def test_a_name_of_none_or_of_several_ends_nothing(
-    giraff: Call, services: dict[Path, Service | Exception], name: str, told: str
+    giraff: Giraff, services: dict[Path, Service | Exception], name: str, told: str
 ) -> None:
     both = [Service(8443, 1, "iPhone at 10.0.0.7", "iPhone at 10.0.0.7"), Service(40123, 0, "Edge at ::1")]
     services |= {Path("one"): both[0], Path("two"): both[1]}
@@ -117,14 +116,14 @@ def test_a_name_of_none_or_of_several_ends_nothing(
 )
 @pytest.mark.parametrize("words", [("--devices",), ("--end", "1")])
 def test_a_service_that_gives_no_answer_is_told_in_a_line(
-    giraff: Call, services: dict[Path, Service | Exception], fault: Exception, told: str, words: tuple[str, ...]
+    giraff: Giraff, services: dict[Path, Service | Exception], fault: Exception, told: str, words: tuple[str, ...]
 ) -> None:
     services[Path("page.sock")] = fault
     assert giraff("web", *words) == (2, "", f"giraff: {told}\n")
 
 
 @pytest.mark.parametrize("words", [("--devices",), ("--end", "1")])
-def test_the_socket_of_a_dead_service_is_none(giraff: Call, tmp_path: Path, words: tuple[str, ...]) -> None:
+def test_the_socket_of_a_dead_service_is_none(giraff: Giraff, tmp_path: Path, words: tuple[str, ...]) -> None:
     left = socket.socket(socket.AF_UNIX)
     left.bind(str(tmp_path / "page-1.sock"))
     left.close()
@@ -133,7 +132,7 @@ def test_the_socket_of_a_dead_service_is_none(giraff: Call, tmp_path: Path, word
 
 
 @pytest.mark.parametrize("more", [("--port", "1"), ("--robot", "x"), ("--connect", "x"), ("--end", "1")])
-def test_nothing_else_goes_with_it(giraff: Call, more: tuple[str, ...]) -> None:
+def test_nothing_else_goes_with_it(giraff: Giraff, more: tuple[str, ...]) -> None:
     code, out, err = giraff("web", "--devices", *more)
     assert (code, out) == (2, "")
     assert "stand alone" in err

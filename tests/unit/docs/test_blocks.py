@@ -7,7 +7,6 @@ saying so. One whose act is a test of its own is parsed. What is no `giraff` is 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from shutil import copy, copytree
@@ -20,7 +19,7 @@ import giraff_cli.run.begin
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import alone, meet
 from tests.unit.cli.test_any_command import ASKING, ROBOTLESS, whole_commands
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff, typed
 from tests.unit.docs.blocks import PAGES, Command, blocks, commands, hidden, mentioned, split
 from tests.unit.docs.outside import OUTSIDE
 from tests.unit.replay.drive import DRIVE, begin_of_the_drive
@@ -72,8 +71,6 @@ BEFORE: Final = {"docs/router.md": "giraff keys init"}
 ALREADY: Final[list[tuple[dict[str, str], tuple[str, ...]]]] = []
 """Commands that worked, with their variables. What asks a robot or replays the drive does the same on each page."""
 
-Typed = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -88,7 +85,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, files: Path) -> Typed:
+def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, files: Path) -> Giraff:
     """Type a command in a folder with the reader's files, on a network where no robot is."""
     for file in files.iterdir():
         (tmp_path / file.name).symlink_to(file)
@@ -106,7 +103,7 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
     return say
 
 
-def wrong_with(command: Command, say: Typed) -> str:
+def wrong_with(command: Command, say: Giraff) -> str:
     """Return what is wrong with it; nothing where it stands for something that works."""
     words = tuple(PLACEHOLDERS.get(word, word) for word in command.words)
     if words[:4] == IN_DOCKER:
@@ -118,7 +115,7 @@ def wrong_with(command: Command, say: Typed) -> str:
     return "no test knows this program: add it to OUTSIDE, with why no test starts it"
 
 
-def _giraff(command: Command, words: tuple[str, ...], say: Typed) -> str:
+def _giraff(command: Command, words: tuple[str, ...], say: Giraff) -> str:
     known = KNOWN()
     length = next((n for n in (2, 1) if " ".join(words[:n]) in known), 0)
     path, rest = " ".join(words[:length]), list(words[length:])
@@ -146,14 +143,14 @@ def _giraff(command: Command, words: tuple[str, ...], say: Typed) -> str:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
-def test_each_command_of_a_page_is_one_that_works(page: str, say: Typed) -> None:
+def test_each_command_of_a_page_is_one_that_works(page: str, say: Giraff) -> None:
     before = split("", BEFORE.get(page, ""))
     found = [f"{each}\n    {wrong}" for each in (*before, *commands(page)) if (wrong := wrong_with(each, say))]
     assert not found, "\n".join(found)
 
 
 @pytest.mark.parametrize("path", KNOWN())
-def test_the_example_in_the_help_of_each_command_works(path: str, say: Typed) -> None:
+def test_the_example_in_the_help_of_each_command_works(path: str, say: Giraff) -> None:
     [command] = split(f"giraff {path} --help", KNOWN()[path].epilog.removeprefix("Example: "))
     assert " ".join(command.words).startswith(f"giraff {path}")
     before = split("", "giraff keys init" if path in {"keys host", "keys list"} else "")
@@ -211,7 +208,7 @@ def test_no_row_of_the_tables_is_left_over() -> None:
         "rviz2",
     ],
 )
-def test_what_is_wrong_in_a_page_is_found(line: str, say: Typed) -> None:
+def test_what_is_wrong_in_a_page_is_found(line: str, say: Giraff) -> None:
     [command] = split("a page", line)
     assert wrong_with(command, say)
 

@@ -21,7 +21,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_schemas.messages import Sample, Tick, Wheels
 from giraff_schemas.topics import topic_of
 from tests.rules.repository import ROOT
-from tests.unit.cli.typed import typed
+from tests.unit.cli.typed import Giraff, typed
 from tests.unit.mcap.recordings import ten
 from tests.unit.replay.drive import DRIVE
 
@@ -133,18 +133,15 @@ def test_odometry_of_other_wheels_shows(drive: Recording) -> None:
     assert replay_odometry(said_where(lambda _, at: at < 8.0), OdometryConfig(), robot).share < LEAST
 
 
-Replay = Callable[..., tuple[int, str, str]]
-
-
 @pytest.fixture
-def giraff_replay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Replay:
+def giraff_replay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Giraff:
     """The command: exit code, output and complaint."""
     monkeypatch.delenv("GIRAFF_CONFIG", raising=False)
     return lambda *words: typed(monkeypatch, capsys, "replay", *words)
 
 
 def test_a_recording_without_a_robot_file_takes_one_from_here(
-    giraff_replay: Replay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    giraff_replay: Giraff, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A desk needs none to record, and tells whoever replays that there where none is, either."""
     about = {name: value for name, value in Recording(DRIVE).about.items() if name != "tables"}
@@ -160,7 +157,7 @@ def test_a_recording_without_a_robot_file_takes_one_from_here(
     assert "GIRAFF_CONFIG" in complaint
 
 
-def test_samples_that_cannot_be_decoded_are_named(giraff_replay: Replay, tmp_path: Path) -> None:
+def test_samples_that_cannot_be_decoded_are_named(giraff_replay: Giraff, tmp_path: Path) -> None:
     torn = [sample._replace(payload=msgspec.msgpack.encode({"seq": 1, "instance": "i"})) for sample in ten()]
     with RecordingWriter(tmp_path / "torn.mcap", Recording(DRIVE).about) as writer:
         writer.add(torn)
@@ -172,7 +169,7 @@ def test_samples_that_cannot_be_decoded_are_named(giraff_replay: Replay, tmp_pat
     assert "all that the guard hears for 21 s in which the robot goes 2 m" in complaint
 
 
-def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Replay, tmp_path: Path) -> None:
+def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Giraff, tmp_path: Path) -> None:
     samples = list(Recording(DRIVE).samples())
     part = [each for each in samples if 6.0 < (each.heard_ns - samples[0].heard_ns) * 1e-9 < 10.0]
     with RecordingWriter(tmp_path / "short.mcap", Recording(DRIVE).about) as writer:
@@ -184,7 +181,7 @@ def test_a_recording_that_is_too_short_tells_what_it_takes(giraff_replay: Replay
     assert "record from its start, or for 21 s in which the robot goes 2 m" in complaint
 
 
-def test_the_command_tells_it(giraff_replay: Replay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_tells_it(giraff_replay: Giraff, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Path] = []
 
     def recall(recording: Recording, *_: object) -> list[Agreement]:
