@@ -8,9 +8,12 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple, Protocol
 
+import msgspec
+
 from giraff_cli.calibrate.runs import Geometry
 from giraff_core.counters import signed32
-from giraff_schemas.messages import RobotTime, Wheels
+from giraff_schemas.messages import Wheels
+from tests.unit.cli.samples import wheels
 
 GEOMETRY: Final = Geometry(2000.0, 0.5)
 _RATE: Final = 10.0  # Hz
@@ -148,17 +151,6 @@ class FiledRobot:
         if not self.is_heard:
             return
         left, right = (signed32(math.floor(ticks)) for ticks in self._ticks)
-        self.waiting.append(
-            Wheels(
-                instance=self.instance,
-                left_ticks=left,
-                right_ticks=right,
-                left_velocity=0.0,
-                right_velocity=0.0,
-                left_pwm_counts=0,
-                right_pwm_counts=0,
-                board_us=self._us,
-                boot_id=self.boot_id,
-                tick=RobotTime(1, self.robot_ns),
-            )
-        )
+        sample = msgspec.structs.replace(wheels(self.robot_ns), left_ticks=left, right_ticks=right)
+        sample = msgspec.structs.replace(sample, board_us=self._us, boot_id=self.boot_id, instance=self.instance)
+        self.waiting.append(sample)

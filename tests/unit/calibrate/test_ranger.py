@@ -18,19 +18,20 @@ from giraff_cli.calibrate.ranger.fit import Echo, Found
 from giraff_cli.calibrate.ranger.heard import Hearing
 from giraff_cli.calibrate.ranger.procedure import Measured, StoppedError, measure
 from giraff_cli.terminal.human import NobodyError
-from giraff_core.kinematics.calibration import EXACTLY, Calibration
+from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_core.sensors import HC_SR04
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import load
-from giraff_schemas.messages import Lease, Odometry, Range, RobotTime
+from giraff_schemas.messages import Lease, Odometry, Range
 from giraff_schemas.motion import Move, Turn
 from giraff_sim.board import ROOT
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import SonarFault
 from tests.support.robots import ROBOT
 from tests.unit.calibrate.walls import DrawnStand, TapePerson, bare_wall
+from tests.unit.cli.samples import at, odometry
 
 _CALIBRATED: Final = '\n[robot.calibration]\ndate = "2026-11-25"\n'
 _FARTHER: Final = "all the same"
@@ -114,32 +115,25 @@ def test_a_faulty_sensor_stays_as_it_is_and_the_others_are_found(fault: SonarFau
     assert any("front_right: cannot be told, and stays as it is" in words for words in person.told)
 
 
-def refuse(stand: DrawnStand) -> None:
-    stand.refusal = "somebody drives; wait until it rests"
-
-
-def hold(stand: DrawnStand) -> None:
-    stand.holds_lease = True
-
-
-def drive(stand: DrawnStand) -> None:
-    stand.is_driven = True
-
-
-def interrupt(stand: DrawnStand) -> None:
-    stand.interrupts = True
+def sets(**fields: object) -> Callable[[DrawnStand], None]:
+    """Return what gives these to a stand."""
+    return lambda stand: stand.__dict__.update(fields)
 
 
 NOTHING: Final[dict[str, tuple[Callable[[DrawnStand], None], dict[str, Any], str]]] = {
-    "somebody drives": (refuse, {}, "somebody drives; wait until it rests. Nothing was written"),
-    "somebody drives while it listens": (drive, {}, "the robot moved while it was to listen"),
-    "motion holds its lease": (hold, {}, "still holds the lease. Nothing was written"),
-    "not wanted": (lambda _: None, {"Write front": ["no"]}, "not wanted. Nothing was written"),
-    "the way is not free": (lambda _: None, {"way free": ["maybe", "no"]}, "clear the way"),
-    "closed stdin": (lambda _: None, {"Write front": [NobodyError]}, "nobody answers. Nothing was written"),
-    "Ctrl-C while it moves": (interrupt, {}, ""),
-    "Ctrl-C at the last question": (lambda _: None, {"Write front": [KeyboardInterrupt]}, ""),
-    "farther is not wanted": (lambda _: None, {_FARTHER: ["no"] * 3}, "not wanted. Nothing was written"),
+    "somebody drives": (
+        sets(refusal="somebody drives; wait until it rests"),
+        {},
+        "somebody drives; wait until it rests. Nothing was written",
+    ),
+    "somebody drives while it listens": (sets(is_driven=True), {}, "the robot moved while it was to listen"),
+    "motion holds its lease": (sets(holds_lease=True), {}, "still holds the lease. Nothing was written"),
+    "not wanted": (sets(), {"Write front": ["no"]}, "not wanted. Nothing was written"),
+    "the way is not free": (sets(), {"way free": ["maybe", "no"]}, "clear the way"),
+    "closed stdin": (sets(), {"Write front": [NobodyError]}, "nobody answers. Nothing was written"),
+    "Ctrl-C while it moves": (sets(interrupts=True), {}, ""),
+    "Ctrl-C at the last question": (sets(), {"Write front": [KeyboardInterrupt]}, ""),
+    "farther is not wanted": (sets(), {_FARTHER: ["no"] * 3}, "not wanted. Nothing was written"),
 }
 
 
@@ -286,34 +280,21 @@ def test_an_uncalibrated_robot_is_sent_to_calibrate_odometry(
     assert not drawn.performed
 
 
-def odometry(ns: int, yaw: float, breaks: int = 0) -> Odometry:
-    return Odometry(
-        instance="o",
-        x=1.0,
-        y=0.0,
-        yaw=yaw,
-        linear_x=0.0,
-        angular_z=0.0,
-        covariance=EXACTLY,
-        path=0.0,
-        board_us=0,
-        boot_id=1,
-        tick=RobotTime(1, ns),
-        breaks=breaks,
-    )
+def turned(ns: int, yaw: float, breaks: int = 0) -> Odometry:
+    return msgspec.structs.replace(odometry(ns, 1.0, 0.0, yaw), instance="o", breaks=breaks)
 
 
 def test_a_ping_has_the_raw_echo_and_the_pose_of_its_moment() -> None:
     hearing = Hearing()
-    hearing.hear(odometry(1_000, 0.0))
-    hearing.hear(Range(sensor="rear", state="echo", range=9.0, echo_us=5800, tick=RobotTime(1, 1_500)))
+    hearing.hear(turned(1_000, 0.0))
+    hearing.hear(Range(sensor="rear", state="echo", range=9.0, echo_us=5800, tick=at(1_500)))
     assert hearing.echoes == []
-    hearing.hear(odometry(2_000, 0.2))
+    hearing.hear(turned(2_000, 0.2))
     assert hearing.echoes == [Echo("rear", 1.0, Pose(1.0, 0.0, 0.1))]
     hearing.hear(Lease(instance="g", holder="m-1", operator="motion", counter=1))
     assert hearing.motion_holds_lease
     assert not hearing.fault
-    hearing.hear(odometry(3_000, 0.2, breaks=1))
+    hearing.hear(turned(3_000, 0.2, breaks=1))
     assert "begin again" in hearing.fault
 
 

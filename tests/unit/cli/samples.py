@@ -94,6 +94,13 @@ def command(operator_ns: int | None, *, reason: str = "", epoch: int = EPOCH) ->
     )
 
 
+def wish(linear: float, angular: float, robot_ns: int) -> DriveCommand:
+    """A joystick's."""
+    return DriveCommand(
+        operator="joystick", lease_counter=1, linear_x=linear, angular_z=angular, source="hand", tick=at(robot_ns)
+    )
+
+
 def wheels(robot_ns: int) -> Wheels:
     return Wheels(
         left_ticks=0,
@@ -237,15 +244,7 @@ def drive_ten_seconds(telemetry: Telemetry) -> None:
             network.send(topics.TILT, Tilt(x=2.5, y=-0.4, z=9.4, status="running", tick=at(now)), now)
             network.send(topics.CMD_VEL, command(max(0, now - 31 * MS)), now)
         if ms % 30 == 0:
-            asked = DriveCommand(
-                operator="joystick",
-                lease_counter=1,
-                linear_x=0.4,
-                angular_z=-0.2,
-                source="hand",
-                tick=at(now),
-            )
-            network.send(topics.OPERATOR_CMD_VEL, asked, now, name="joystick")
+            network.send(topics.OPERATOR_CMD_VEL, wish(0.4, -0.2, now), now, name="joystick")
         if ms % 180 == 0:
             network.send(topics.RANGE, reading("front_left", 1.23), now, name="front_left")
             network.send(topics.RANGE, reading("front_right", None, "clear"), now, name="front_right")

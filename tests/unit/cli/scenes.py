@@ -27,6 +27,7 @@ from tests.unit.cli.samples import (
     reading,
     verdict,
     wheels,
+    wish,
 )
 
 NOW = 10_000 * MS
@@ -42,15 +43,7 @@ Sent = tuple[Topic[Any], str, Any, str]
 
 
 def command(linear: float = 0.0, angular: float = 0.0, **fields: Any) -> DriveCommand:
-    sample = DriveCommand(
-        operator="joystick",
-        lease_counter=1,
-        linear_x=linear,
-        angular_z=angular,
-        source="hand",
-        tick=at(NOW - 30 * MS),
-    )
-    return msgspec.structs.replace(sample, **fields)
+    return msgspec.structs.replace(wish(linear, angular, NOW - 30 * MS), **fields)
 
 
 def tilt(status: Any = "running", known: bool = True) -> Tilt:

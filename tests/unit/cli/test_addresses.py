@@ -13,16 +13,12 @@ from rich.screen import Screen
 
 from giraff_cli.terminal import addresses
 from giraff_cli.terminal.addresses import Code, CodeScreen
+from tests.unit.cli.typed import Tty
 
 ONCE = "hMmDbpDbMPVvSFEbH7bN3w"
 FAR = f"https://192.168.1.7:8443/#{ONCE}"
 HERE = f"https://127.0.0.1:8443/#{ONCE}"
 BLOCKS = " ▀▄█"
-
-
-class Tty(io.StringIO):
-    def isatty(self) -> bool:
-        return True
 
 
 def terminal(monkeypatch: pytest.MonkeyPatch, columns: int = 80) -> Tty:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import signal
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -94,7 +93,7 @@ class Bench:
 
 
 @pytest.fixture
-def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file of a robot whose wiring is checked, with a human who has lifted its wheels."""
     copy = tmp_path / "robot.toml"
     tables = tomlkit.parse((ROOT / "deploy" / "robot.toml").read_text())
@@ -106,10 +105,8 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setattr(Bench, "told", {0: words(turned(disk())), 1: words(turned(disk(-90.0)))})
     for name in ("counted", "latch", "is_mute", "loses", "ends"):
         monkeypatch.setattr(Bench, name, getattr(Bench, name))
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    yield copy
-    for number, handler in handlers.items():
-        signal.signal(number, handler)
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    return copy
 
 
 def tell(monkeypatch: pytest.MonkeyPatch, **made: Any) -> None:

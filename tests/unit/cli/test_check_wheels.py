@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-import signal
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar
 
@@ -68,7 +67,7 @@ def has(wiring: Wiring, side: int, part: str) -> bool:
 
 
 @pytest.fixture
-def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     copy = tmp_path / "robot.toml"
     stock = (ROOT / "deploy" / "robot.toml").read_text()
     copy.write_text(stock.replace('type = "wheels"', 'type = "wheels"\nboard = "ardros"'))
@@ -76,10 +75,8 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setattr(check_wheels, "WheelBench", Bench)
     for name in ("truth", "latch", "trouble"):
         monkeypatch.setattr(Bench, name, getattr(Bench, name))
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    yield copy
-    for number, handler in handlers.items():
-        signal.signal(number, handler)
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    return copy
 
 
 def answer(monkeypatch: pytest.MonkeyPatch, *answers: str) -> None:

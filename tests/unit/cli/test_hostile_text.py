@@ -19,17 +19,11 @@ from giraff_schemas.messages import EStop
 from giraff_schemas.text import printable
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.console import CleanConsole
+from tests.unit.cli.typed import Tty
 
 HOSTILE = "\x1b]0;owned\x07\x1b[2J\x9b1m\r\x7f\u202eé"
 """A title, an empty screen, a colour as one character, a line anew, and letters from right to left."""
 CLEAN = "?]0;owned??[2J?1m???é"
-
-
-class Screen(io.StringIO):
-    """Looks like a terminal."""
-
-    def isatty(self) -> bool:
-        return True
 
 
 def test_one_function_cleans_a_line() -> None:
@@ -55,7 +49,7 @@ def test_json_has_it_all_and_steers_nothing(write: object) -> None:
     assert json.loads(written) == {"by": HOSTILE + "\U000e0001"}
 
 
-@pytest.mark.parametrize("kind", [io.StringIO, Screen])
+@pytest.mark.parametrize("kind", [io.StringIO, Tty])
 def test_a_log_line_is_clean_on_a_terminal_and_in_a_file(
     kind: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
 ) -> None:

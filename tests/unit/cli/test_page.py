@@ -8,6 +8,7 @@ import pytest
 from rich.text import Text
 
 from giraff_cli.terminal import page
+from tests.unit.cli.typed import Tty
 
 HEADINGS = ("key", "by", ">Hz", ">reordered", "told")
 ROWS = [
@@ -42,15 +43,10 @@ def test_a_table_in_a_pipe_fits_a_page_and_a_sentence_is_not_broken(capsys: pyte
     assert capsys.readouterr().out == f"{sentence.rstrip()}\n"
 
 
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
 def test_a_sentence_ends_its_lines_between_two_words(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "30")
     for shown, lines in (
-        (Terminal(), ["  one sentence that is longer", "  than a line", "next"]),
+        (Tty(), ["  one sentence that is longer", "  than a line", "next"]),
         (io.StringIO(), None),
     ):
         page.print_wrapped("  one sentence that is longer than a line\nnext", shown)

@@ -217,24 +217,14 @@ def test_a_file_that_somebody_edits_during_the_trial_is_not_overwritten(desk: De
     assert kept.read_bytes() == desk.before
 
 
-def refuse(desk: Desk) -> None:
-    desk.motion.refusal = "held by joystick (1a2b) until it rests for 30 s"
+def sets(**fields: object) -> Callable[[Desk], None]:
+    """Return what gives these to a desk, or to the motion beside it."""
 
+    def prepare(desk: Desk) -> None:
+        for name, value in fields.items():
+            setattr(desk.motion if hasattr(desk.motion, name) else desk, name, value)
 
-def block(desk: Desk) -> None:
-    desk.motion.outcome = "blocked"
-
-
-def slow(desk: Desk) -> None:
-    desk.guard_says = "forward slowed: front_left sees something"
-
-
-def keep(desk: Desk) -> None:
-    desk.next_lease = 5
-
-
-def silence(desk: Desk) -> None:
-    desk.are_heard = False
+    return prepare
 
 
 def deafen(desk: Desk) -> None:
@@ -263,7 +253,7 @@ def tear(desk: Desk) -> None:
 def block_later(desk: Desk) -> None:
     def restart() -> None:
         desk.restart()
-        block(desk)
+        desk.motion.outcome = "blocked"
 
     desk.restarts = restart
 
@@ -274,10 +264,6 @@ def interrupt_later(desk: Desk) -> None:
             stopping.ask()
 
     desk.each = each
-
-
-def leave(desk: Desk) -> None:
-    desk.restarts = lambda: None
 
 
 def differ(desk: Desk) -> None:
@@ -305,22 +291,37 @@ _TAKES_NONE: Final = "takes no [base.drive.speed_control]"
 UNASKED: Final = ("other gains in force", "a no to the way", "nobody at the terminal", "silent wheels", "levels")
 
 REFUSALS: Final[dict[str, tuple[Callable[[Desk], object], list[str], int, str]]] = {
-    "a no to the way": (lambda _: None, ["no"], 1, "nothing has moved"),
-    "nobody at the terminal": (lambda _: None, [], 2, "nobody answers"),
-    "a no to writing": (lambda _: None, ["yes", "no"], 1, "not wanted"),
-    "nobody any more": (lambda _: None, ["yes"], 2, "nobody answers"),
-    "somebody else drives": (refuse, ["yes"], 1, "the robot has not moved: held by joystick"),
-    "a blocked way": (block, ["yes"], 1, "the drive stopped before its end: front_left blocks"),
-    "a slowed way": (slow, ["yes"], 1, "guard has slowed the robot: forward slowed: front_left sees something"),
-    "a lease that is kept": (keep, ["yes"], 1, "nobody tells that giraff_motion has given the robot back"),
-    "silent wheels": (silence, [], 2, "no wheels of giraff are heard"),
+    "a no to the way": (sets(), ["no"], 1, "nothing has moved"),
+    "nobody at the terminal": (sets(), [], 2, "nobody answers"),
+    "a no to writing": (sets(), ["yes", "no"], 1, "not wanted"),
+    "nobody any more": (sets(), ["yes"], 2, "nobody answers"),
+    "somebody else drives": (
+        sets(refusal="held by joystick (1a2b) until it rests for 30 s"),
+        ["yes"],
+        1,
+        "the robot has not moved: held by joystick",
+    ),
+    "a blocked way": (sets(outcome="blocked"), ["yes"], 1, "the drive stopped before its end: front_left blocks"),
+    "a slowed way": (
+        sets(guard_says="forward slowed: front_left sees something"),
+        ["yes"],
+        1,
+        "guard has slowed the robot: forward slowed: front_left sees something",
+    ),
+    "a lease that is kept": (
+        sets(next_lease=5),
+        ["yes"],
+        1,
+        "nobody tells that giraff_motion has given the robot back",
+    ),
+    "silent wheels": (sets(are_heard=False), [], 2, "no wheels of giraff are heard"),
     "wheels that fall silent": (deafen, ["yes"], 1, "the wheels fell silent"),
     "Ctrl-C": (interrupt, ["yes"], 130, "interrupted"),
     "a file that is torn meanwhile": (tear, ["yes", "yes"], 1, "by hand:\n    motor_time = "),
     "other gains in force": (differ, [], 2, "base does not say that it goes by the gains of"),
-    "a no to the second drive": (lambda _: None, ["yes", "yes", "no"], 1, "are not tried"),
-    "nobody for the second drive": (lambda _: None, ["yes", "yes"], 2, "nobody answers"),
-    "base that is not restarted": (leave, ["yes", "yes", "yes", "no"], 1, "are not tried"),
+    "a no to the second drive": (sets(), ["yes", "yes", "no"], 1, "are not tried"),
+    "nobody for the second drive": (sets(), ["yes", "yes"], 2, "nobody answers"),
+    "base that is not restarted": (sets(restarts=lambda: None), ["yes", "yes", "yes", "no"], 1, "are not tried"),
     "a blocked second way": (block_later, ["yes"] * 3, 1, "the drive stopped before its end: front_left blocks"),
     "Ctrl-C in the second drive": (interrupt_later, ["yes"] * 3, 130, "interrupted"),
     "a drive on one line": (spell(f'drive = {{ type = "wheels", {", ".join(FIELDS)} }}'), [], 2, _TAKES_NONE),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable
 from typing import Final
@@ -28,6 +29,13 @@ def typed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *
     code = obey(app)
     said = capsys.readouterr()
     return code, said.out, said.err
+
+
+class Tty(io.StringIO):
+    """Looks like a terminal."""
+
+    def isatty(self) -> bool:
+        return True
 
 
 @pytest.fixture

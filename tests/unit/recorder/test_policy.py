@@ -15,36 +15,17 @@ from giraff_mcap.raw_sample import RawSample
 from giraff_recorder.config import RecorderConfig
 from giraff_recorder.policy import Incident, IncidentDetector, IncidentFile, Memory, surplus
 from giraff_schemas.health import Health
-from giraff_schemas.messages import BaseState, BoardState, EStop
+from giraff_schemas.messages import BaseState, EStop
 from giraff_schemas.trouble import Trouble
+from tests.unit.cli import samples
+from tests.unit.cli.samples import estop
 
 CONFIG = RecorderConfig()
-BOARD = BoardState(
-    connected=True,
-    boot_id=1,
-    drive_state="active",
-    latch="none",
-    last_refusal="none",
-    accepted=1,
-    refused=0,
-    line_errors=0,
-)
-
-
-def estop(*, engaged: bool) -> EStop:
-    return EStop(engaged=engaged, id=1, by="anna", reason=Trouble("a cat"))
 
 
 def base(*, armed: bool = True, **board: Any) -> BaseState:
-    return BaseState(
-        armed=armed,
-        driving=False,
-        reason=Trouble("no word"),
-        guard="g",
-        round_trip=None,
-        budget_left=None,
-        board=msgspec.structs.replace(BOARD, **board),
-    )
+    sample = samples.base(armed=armed, reason="no word")
+    return msgspec.structs.replace(sample, board=msgspec.structs.replace(sample.board, **board))
 
 
 def health(*faults: str) -> Health:
@@ -93,7 +74,7 @@ def test_an_emergency_stop_is_written_with_the_minute_before_and_what_follows() 
     incidents.on_estop(estop(engaged=True), 200.0)
     at, incident = first_due(incidents, 200.0, 300.0)
     assert at == pytest.approx(205.0, abs=0.2)
-    assert incident == Incident("estop", "emergency stop by anna: a cat", 140_000_000_000)
+    assert incident == Incident("estop", "emergency stop by ann@desk: smoke", 140_000_000_000)
     incidents.on_estop(estop(engaged=True), 206.0)
     assert incidents.due(1000.0) is None
 
@@ -179,7 +160,7 @@ def test_an_emergency_stop_amid_smaller_events_names_the_file_and_has_its_own_ti
     incidents.on_estop(estop(engaged=True), 103.0)
     at, incident = first_due(incidents, 103.0, 200.0)
     assert at == pytest.approx(108.0, abs=0.2)
-    assert incident == Incident("estop", "emergency stop by anna: a cat; guard: late", 40_000_000_000)
+    assert incident == Incident("estop", "emergency stop by ann@desk: smoke; guard: late", 40_000_000_000)
     assert incidents.due(1000.0) is None
 
 

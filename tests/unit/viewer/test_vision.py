@@ -10,20 +10,15 @@ import pytest
 import rerun as rr
 
 from giraff_schemas import topics
-from giraff_schemas.camera import Picture, VisualOdometry
+from giraff_schemas.camera import Picture
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
-from tests.unit.cli.samples import MS, at, odometry
+from tests.unit.cli.samples import MS, at, odometry, seen
 
 SECOND = 1_000_000_000
-SEEN = VisualOdometry(
+SEEN = msgspec.structs.replace(
+    seen(SECOND + 10 * MS, 0.0),
     instance="v1",
-    camera="head",
-    picture=1,
-    tick=at(SECOND),
-    key=0,
-    motion=None,
-    path=(0.0, 0.0, 0.0),
     width=160,
     height=120,
     tracked=((79, 59), (0, 0)),
