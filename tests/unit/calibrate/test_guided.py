@@ -79,32 +79,25 @@ def test_the_file_of_another_robot_is_not_written_unless_somebody_names_it(
     assert own_robot_file(robot, path)[0] == path
 
 
-@pytest.mark.parametrize("answer", ["no", "n"])
-def test_nothing_is_written_unasked(taped: TapedRobot, path: Path, answer: str) -> None:
+CHECKS = [number for number, leg in enumerate(PLAN, 1) if leg.is_check]
+REFUSED: dict[str, tuple[dict[tuple[str, int], Act | str], str]] = {
+    "no": ({("Write", 1): "no"}, "not wanted"),
+    "n": ({("Write", 1): "n"}, "not wanted"),
+    "no check": ({("Mark", number): "skip" for number in CHECKS}, "judge"),
+    "it makes it worse": ({("ahead", number): "5.5" for number in range(1, 5)}, "refused"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_nothing_is_written_unasked_unchecked_or_for_the_worse(
+    taped: TapedRobot, path: Path, capsys: pytest.CaptureFixture[str], case: str
+) -> None:
+    instead, told = REFUSED[case]
     before = path.read_text(encoding="utf-8")
-    assert guided(Person(taped, {("Write", 1): answer}), taped, path) == 1
+    assert guided(Person(taped, instead), taped, path) == 1
+    assert told in capsys.readouterr().err
     assert path.read_text(encoding="utf-8") == before
     assert list(path.parent.iterdir()) == [path]
-
-
-def test_without_a_check_nothing_is_written(taped: TapedRobot, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    before = path.read_text(encoding="utf-8")
-    checks: dict[tuple[str, int], Act | str] = {
-        ("Mark", number): "skip" for number, leg in enumerate(PLAN, 1) if leg.is_check
-    }
-    assert guided(Person(taped, checks), taped, path) == 1
-    assert "judge" in capsys.readouterr().err
-    assert path.read_text(encoding="utf-8") == before
-
-
-def test_a_calibration_that_makes_it_worse_is_refused(
-    taped: TapedRobot, path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    before = path.read_text(encoding="utf-8")
-    lengthened = {("ahead", number): "5.5" for number in range(1, 5)}
-    assert guided(Person(taped, lengthened), taped, path) == 1
-    assert "refused" in capsys.readouterr().err
-    assert path.read_text(encoding="utf-8") == before
 
 
 def test_a_robot_file_that_is_not_there_is_refused_before_anything_is_driven(

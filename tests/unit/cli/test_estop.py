@@ -343,25 +343,30 @@ def test_a_reset_that_base_refuses_is_told_with_its_reason(network: Network, eng
     assert (code, text) == (1, f"STILL ENGAGED, latch 7 of {ROBOT}, engaged by ann@desk: smoke: another latch")
 
 
-def test_a_reset_without_an_answer_is_not_taken_for_one(network: Network) -> None:
-    with network.base(lambda _: None):
-        code, text, *_ = reset(network.connection, "me", 2.0)
-    assert (code, text[:32]) == (2, "NOT CONFIRMED after 2 s, latch 7")
-    assert network.clock.monotonic() == pytest.approx(2.0, abs=0.02)
-
-
-def test_without_the_robots_clock_nothing_is_reset(network: Network) -> None:
-    with network.base(cleared, ticks=False) as asked:
-        code, text, *_ = reset(network.connection, "me", 2.0)
-    assert (code, asked) == (2, [])
-    assert "the robot's clock is not heard" in text
-
-
-def test_what_is_released_is_not_reset(network: Network) -> None:
-    with network.base(cleared, RELEASED) as asked:
-        code, text, *_ = reset(network.connection, "me", 10.0)
-    assert (code, asked) == (0, [])
-    assert "not engaged, nothing to clear" in text
+@pytest.mark.parametrize(
+    ("answer", "state", "ticks", "code", "told"),
+    [
+        (lambda _: None, LATCHED, True, 2, "NOT CONFIRMED after 2 s, latch 7"),
+        (
+            cleared,
+            LATCHED,
+            False,
+            2,
+            "NOT CLEARED, latch 7 of sim-estop, engaged by ann@desk: smoke: the robot's clock is",
+        ),
+        (cleared, RELEASED, True, 0, f"{ROBOT}: not engaged, nothing to clear"),
+    ],
+    ids=["no answer", "no clock", "released"],
+)
+def test_a_reset_that_clears_nothing_says_why(
+    network: Network, answer: Answer, state: EStop, ticks: bool, code: int, told: str
+) -> None:
+    with network.base(answer, state, ticks=ticks) as asked:
+        result = reset(network.connection, "me", 2.0)
+    assert (result.code, result.text[: len(told)]) == (code, told)
+    assert bool(asked) == told.startswith("NOT CONFIRMED")
+    if code:
+        assert network.clock.monotonic() == pytest.approx(2.0, abs=0.02)
 
 
 def test_of_two_bases_none_is_reset_and_the_engaged_one_shows(network: Network) -> None:

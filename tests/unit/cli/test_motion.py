@@ -54,9 +54,8 @@ class Desk:
         """Which was named, and whether it may be moved."""
         self.each: Callable[[StopSignal], object] = lambda _: None
         """What happens in each turn."""
-        for module in (it, giraff_node.motion_client):
+        for module in (it, giraff_node.motion_client, giraff_node.network.query_client):
             patch.setattr(module, "time", self.clock)
-        patch.setattr(giraff_node.network.query_client, "time", self.clock)
         patch.setattr(it, "run_with_robot", self._visit)
         patch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)
 
@@ -155,17 +154,9 @@ def test_a_blocked_way_says_which_sensor_and_the_way_out(desk: Desk) -> None:
     assert complaint == f"giraff: {NAME}: BLOCKED: {BLOCKED}; {came}\n"
 
 
-OUTCOMES: tuple[Outcome, ...] = (
-    "lost_lease",
-    "time_limit",
-    "lost_requester",
-    "disarmed",
-    "lost_odometry",
-    "lost_localization",
+@pytest.mark.parametrize(
+    "outcome", ["lost_lease", "time_limit", "lost_requester", "disarmed", "lost_odometry", "lost_localization"]
 )
-
-
-@pytest.mark.parametrize("outcome", OUTCOMES)
 def test_whatever_else_ends_it_is_told_with_its_reason(desk: Desk, outcome: Outcome) -> None:
     desk.motion.outcome = outcome
     code, _, complaint = desk.type("move", "1.0")

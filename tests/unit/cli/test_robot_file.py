@@ -55,35 +55,6 @@ def test_line_ends_stay_what_they_were(path: Path) -> None:
     assert [line for line in before.splitlines(keepends=True) if line not in after.splitlines(keepends=True)] == []
 
 
-def test_a_file_that_is_no_utf8_is_left_alone(path: Path) -> None:
-    text = b"[robot] # \xff\n"
-    path.write_bytes(text)
-    with pytest.raises(RobotFileError, match=r"write into \[robot\] by hand"):
-        record(path, "robot", FIELDS)
-    assert path.read_bytes() == text
-
-
-@pytest.mark.parametrize("text", ["[robot", "name = 'x'", "robot = 3"])
-def test_a_file_that_does_not_hold_the_table_is_left_alone(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(RobotFileError, match=r"write into \[robot\] by hand:\n    swap_motors = true"):
-        record(path, "robot", FIELDS)
-    assert path.read_text(encoding="utf-8") == text
-
-
-def test_a_disk_that_does_not_take_it_leaves_the_file_as_it_was(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = path.read_text(encoding="utf-8")
-
-    def full(_descriptor: int) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(RobotFileError, match="No space left on device"):
-        record(path, "robot", FIELDS)
-    assert path.read_text(encoding="utf-8") == before
-    assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208
-
-
 SPOILED: dict[str, tuple[str, dict[str, dict[str, Value]]]] = {
     "no table above": ("[robot]\n[base]\n", {"base.drive.speed_control": {"speed_p": 60.0}}),
     "no table": ("base = 3\n", {"base.drive": {"a": 1.0}}),
@@ -169,12 +140,22 @@ def test_a_table_finds_its_place_in_any_file(path: Path, text: str) -> None:
     assert [line for line in text.splitlines() if line not in path.read_text(encoding="utf-8").splitlines()] == []
 
 
-@pytest.mark.parametrize("text", ["robot = {a = 1}\n", "[base]\n", "[robot]\ncalibration = 3\n", "[robot"])
-def test_a_file_without_a_place_for_the_table_is_left_alone(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(RobotFileError, match=r'into \[robot.calibration\] by hand:\n    date = "2026-11-25"\n'):
-        record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
-    assert path.read_text(encoding="utf-8") == text
+@pytest.mark.parametrize(
+    ("table", "fields", "text"),
+    [
+        *(("robot", FIELDS, text) for text in (b"[robot", b"name = 'x'", b"robot = 3", b"[robot] # \xff\n")),
+        *(("robot.calibration", CALIBRATION, text) for text in (b"robot = {a = 1}\n", b"[base]\n", b"[robot")),
+        ("robot.calibration", CALIBRATION, b"[robot]\ncalibration = 3\n"),
+    ],
+)
+def test_a_file_without_a_place_for_the_table_is_left_alone(
+    path: Path, table: str, fields: dict[str, Value], text: bytes
+) -> None:
+    path.write_bytes(text)
+    first = {"robot": "swap_motors = true", "robot.calibration": 'date = "2026-11-25"'}[table]
+    with pytest.raises(RobotFileError, match=rf"into \[{table}\] by hand:\n    {first}\n"):
+        record(path, table, fields, kept_as=KEPT)
+    assert path.read_bytes() == text
     assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208
 
 

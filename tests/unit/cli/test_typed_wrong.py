@@ -218,7 +218,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("map", "convert", ROOM, "a.yaml", "--resolution", "nan"), "--resolution"),
     (("run", "--for", "-3"), "--for -3: give a positive number of seconds"),
     (("run", "--for", "soon"), "giraff run: invalid value for '--for'"),
-    (("run", "--world", "nowhere.toml"), "nowhere.toml: cannot be read"),
+    (("run", "--world", "nowhere.toml"), "nowhere.toml: cannot be read: No such file"),
     (("run", "--summary", "missing/summary.json"), "cannot be written"),
     (("run", "--hand", "mine"), "'mine'"),
     (("run", "--file", "nowhere.toml"), "giraff run: invalid value for '--file': File 'nowhere.toml' does not exist"),
