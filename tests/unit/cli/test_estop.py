@@ -8,24 +8,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import msgspec
 import pytest
 import zenoh
 
 import giraff_cli.estop.client as it
-import giraff_node.network.query_client
 from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.estop.request import BOARD_NOTE, not_off
 from giraff_core.network import NetworkConfig
-from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, alive_key, key_of
 from giraff_schemas.trouble import Trouble
-from tests.support.one_process import Clock, Session
+from tests.support.one_process import Session
+from tests.unit.cli.asked import AskedRobot
 
 ROBOT = "sim-estop"
 EPOCH = 5
@@ -35,7 +34,6 @@ RELEASED = EStop(engaged=False, id=7, by="ann@desk")
 FULL = msgspec.structs.replace(DONE, done=False, reason=Trouble("disk full"))
 REFUSED = EStopAnswer(done=False, engaged=False, id=0, reason=Trouble("no"))
 WISH = EStopEngage(by="me", reason=Trouble("a cat"))
-ANSWERS_AFTER = 0.02  # s
 SERVICES = (("base", "b"), ("guard", "no-base"))
 """A base, and a service that is none."""
 
@@ -43,14 +41,11 @@ Answer = Callable[[Any], EStopAnswer | None]
 """What base answers to a request; None: nothing, as one that hangs."""
 
 
-class Network:
-    """A clock, a session and a watcher of a robot there."""
+class Network(AskedRobot):
+    """One that has bases."""
 
     def __init__(self) -> None:
-        self.clock = Clock()
-        self.session = Session(self.clock)
-        at = NetworkConfig(connect=("192.168.1.20",), local=True)
-        self.connection = RobotConnection(ROBOT, cast(Any, self.session), network=at)
+        super().__init__(ROBOT, NetworkConfig(connect=("192.168.1.20",), local=True))
 
     @contextmanager
     def base(
@@ -59,26 +54,20 @@ class Network:
         """Says its clock and its state all the time; what it is asked, and its clock then."""
         asked: list[tuple[Any, int]] = []
 
-        def hearer(type_: type[Any]) -> Callable[[bytes], tuple[float, bytes] | None]:
-            def on_query(payload: bytes) -> tuple[float, bytes] | None:
-                request = msgspec.msgpack.decode(payload, type=type_)
-                asked.append((request, self.clock.monotonic_ns()))
-                said = answer(request)
-                if said is not None and type_ is EStopEngage:
-                    say_state()  # at once, as base does
-                return None if said is None else (ANSWERS_AFTER, encode(said))
-
-            return on_query
+        def say(request: Any) -> EStopAnswer | None:
+            asked.append((request, self.clock.monotonic_ns()))
+            said = answer(request)
+            if said is not None and isinstance(request, EStopEngage):
+                say_state()  # at once, as base does
+            return said
 
         def say_state() -> None:
-            self._put(ESTOP, state, instance)
+            self.put(ESTOP, state, instance)
 
         def say_tick() -> None:
-            self._put(TICK, Tick(epoch=EPOCH, robot_ns=self.clock.monotonic_ns()), instance)
+            self.put(TICK, Tick(epoch=EPOCH, robot_ns=self.clock.monotonic_ns()), instance)
 
-        declared = [
-            self.session.answer(key_of(ROBOT, query), hearer(query.request)) for query in (ESTOP_ENGAGE, ESTOP_RESET)
-        ]
+        declared = self.answer((ESTOP_ENGAGE, ESTOP_RESET), say)
         ends = [self.clock.every(1.0 / ESTOP.rate_hz, say_state)]
         ends += [self.clock.every(1.0 / TICK.rate_hz, say_tick)] if ticks else []
         yield asked
@@ -87,16 +76,11 @@ class Network:
         for end in ends:
             end()
 
-    def _put(self, topic: Any, sample: Any, instance: str) -> None:
-        data = encode(stamped(sample, 0, 0, instance))
-        self.session.put(key_of(ROBOT, topic), data, encoding=encoding_of(topic.schema))
-
 
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
-    for module in (it, giraff_node.network.query_client):
-        monkeypatch.setattr(module, "time", made.clock)
+    made.rule(monkeypatch, it)
     monkeypatch.setattr(RobotConnection, "open_other_doors", lambda *_: None)  # test_stopping.py has two
     return made
 
@@ -343,30 +327,25 @@ def test_a_reset_that_base_refuses_is_told_with_its_reason(network: Network, eng
     assert (code, text) == (1, f"STILL ENGAGED, latch 7 of {ROBOT}, engaged by ann@desk: smoke: another latch")
 
 
-@pytest.mark.parametrize(
-    ("answer", "state", "ticks", "code", "told"),
-    [
-        (lambda _: None, LATCHED, True, 2, "NOT CONFIRMED after 2 s, latch 7"),
-        (
-            cleared,
-            LATCHED,
-            False,
-            2,
-            "NOT CLEARED, latch 7 of sim-estop, engaged by ann@desk: smoke: the robot's clock is",
-        ),
-        (cleared, RELEASED, True, 0, f"{ROBOT}: not engaged, nothing to clear"),
-    ],
-    ids=["no answer", "no clock", "released"],
-)
-def test_a_reset_that_clears_nothing_says_why(
-    network: Network, answer: Answer, state: EStop, ticks: bool, code: int, told: str
-) -> None:
-    with network.base(answer, state, ticks=ticks) as asked:
-        result = reset(network.connection, "me", 2.0)
-    assert (result.code, result.text[: len(told)]) == (code, told)
-    assert bool(asked) == told.startswith("NOT CONFIRMED")
-    if code:
-        assert network.clock.monotonic() == pytest.approx(2.0, abs=0.02)
+def test_a_reset_without_an_answer_is_not_taken_for_one(network: Network) -> None:
+    with network.base(lambda _: None):
+        code, text, *_ = reset(network.connection, "me", 2.0)
+    assert (code, text[:32]) == (2, "NOT CONFIRMED after 2 s, latch 7")
+    assert network.clock.monotonic() == pytest.approx(2.0, abs=0.02)
+
+
+def test_without_the_robots_clock_nothing_is_reset(network: Network) -> None:
+    with network.base(cleared, ticks=False) as asked:
+        code, text, *_ = reset(network.connection, "me", 2.0)
+    assert (code, asked) == (2, [])
+    assert "the robot's clock is not heard" in text
+
+
+def test_what_is_released_is_not_reset(network: Network) -> None:
+    with network.base(cleared, RELEASED) as asked:
+        code, text, *_ = reset(network.connection, "me", 10.0)
+    assert (code, asked) == (0, [])
+    assert "not engaged, nothing to clear" in text
 
 
 def test_of_two_bases_none_is_reset_and_the_engaged_one_shows(network: Network) -> None:

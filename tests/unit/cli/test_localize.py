@@ -9,9 +9,8 @@ import io
 import json
 import math
 import os
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import msgspec
 import pytest
@@ -19,21 +18,18 @@ from rich.console import Console
 
 import giraff_cli.localize.client as it
 import giraff_cli.localize.serve
-import giraff_node.network.query_client
 from giraff_cli.localize.client import ask, require_none
 from giraff_cli.localize.lines import ChangedLines, JsonLines
 from giraff_cli.localize.view import PoseView
-from giraff_cli.network.connection import RobotConnection
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import Latest
-from giraff_core.network import NetworkConfig
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_node.network.consent import NoRobotError
-from giraff_schemas.codec import encode, stamped
+from giraff_schemas.codec import stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
-from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, alive_key, key_of
+from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, alive_key
 from giraff_schemas.trouble import Trouble
-from tests.support.one_process import Clock, Session
+from tests.unit.cli.asked import AskedRobot
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import Giraff
@@ -119,32 +115,25 @@ def test_programs_get_each_pose_once(capsys: pytest.CaptureFixture[str]) -> None
     assert (first["state"], first["map"], first["tick"]["robot_ns"]) == ("localized", "hall", 5)
 
 
-class Network:
-    """A clock, a session, and whoever asks there."""
+class Network(AskedRobot):
+    """One that has a localization."""
 
-    def __init__(self) -> None:
-        self.clock = Clock()
-        self.session = Session(self.clock)
-        self.connection = RobotConnection(NAME, cast(Any, self.session), network=NetworkConfig())
-        self.asked: list[msgspec.Struct] = []
+    asked: list[msgspec.Struct]
 
-    def answer(self, answer: LocalizationAnswer | None) -> None:
-        def hearer(type_: Any) -> Callable[[bytes], tuple[float, bytes] | None]:
-            def on_query(payload: bytes) -> tuple[float, bytes] | None:
-                self.asked.append(msgspec.msgpack.decode(payload, type=type_))
-                return None if answer is None else (0.02, encode(answer))
+    def answered(self, answer: LocalizationAnswer | None) -> None:
+        self.asked = []
 
-            return on_query
+        def say(request: msgspec.Struct) -> LocalizationAnswer | None:
+            self.asked.append(request)
+            return answer
 
-        for query in (LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL):
-            self.session.answer(key_of(NAME, query), hearer(query.request))
+        self.answer((LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL), say)
 
 
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
-    made = Network()
-    for module in (it, giraff_node.network.query_client):
-        monkeypatch.setattr(module, "time", made.clock)
+    made = Network(NAME)
+    made.rule(monkeypatch, it)
     return made
 
 
@@ -152,7 +141,7 @@ TOKEN = alive_key(NAME, "localization", "1")
 
 
 def test_it_is_told_where_the_robot_is(network: Network) -> None:
-    network.answer(LocalizationAnswer(done=True))
+    network.answered(LocalizationAnswer(done=True))
     with network.session.declare_token(TOKEN):
         code, text = ask(network.connection, HERE, 3.0)
         assert (code, text.partition(";")[0]) == (
@@ -167,13 +156,13 @@ def test_it_is_told_where_the_robot_is(network: Network) -> None:
 
 
 def test_its_refusal_is_told_with_the_reason(network: Network) -> None:
-    network.answer(LocalizationAnswer(done=False, reason=Trouble("that is in a wall")))
+    network.answered(LocalizationAnswer(done=False, reason=Trouble("that is in a wall")))
     with network.session.declare_token(TOKEN):
         assert ask(network.connection, HERE, 3.0) == (1, "localization of sim-here refuses: that is in a wall")
 
 
 def test_one_that_hangs_is_named(network: Network) -> None:
-    network.answer(None)
+    network.answered(None)
     with network.session.declare_token(TOKEN):
         code, text = ask(network.connection, HERE, 3.0)
     assert code == 2

@@ -12,19 +12,16 @@ from giraff_cli.localize import hearing
 from giraff_cli.localize.hearing import Hearing
 from giraff_cli.localize.serve import ShownLocalization
 from giraff_cli.localize.view import PoseView
-from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.signals import StopSignal
 from giraff_core.kinematics.pose import Pose
-from giraff_core.network import NetworkConfig
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.floor import Floor
 from giraff_maps.floor_plan import FloorPlan
-from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
-from giraff_schemas.topics import POSE, alive_key, key_of
+from giraff_schemas.topics import POSE, alive_key
 from giraff_schemas.trouble import Trouble
-from tests.support.one_process import Clock, Session
 from tests.support.robots import ROBOT
+from tests.unit.cli.asked import AskedRobot
 from tests.unit.cli.map_poses import map_pose
 
 NAME = "sim-here"
@@ -99,33 +96,28 @@ class Idle:
         self.ends += 1
 
 
-class Here:
-    """A clock, a network with one robot, and what localization says there."""
+class Here(AskedRobot):
+    """One of which localization says something."""
 
     def __init__(self) -> None:
-        self.clock = Clock()
-        self.session = Session(self.clock)
-        self.connection = RobotConnection(NAME, cast(Any, self.session), network=NetworkConfig())
+        super().__init__(NAME)
         self.screen = Screen()
         self.hearing = Hearing(self.connection, self.screen)
         self._seq = 0
 
     def say(self, pose: MapPose) -> None:
         self._seq += 1
-        data = encode(stamped(pose, self._seq, 0, "l"))
-        self.session.put(key_of(NAME, POSE), data, encoding=str(encoding_of(MapPose)))
+        self.put(POSE, pose, "l", self._seq)
 
 
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch) -> Here:
-    made_clock = Clock()
-    monkeypatch.setattr(hearing, "time", made_clock)
-    monkeypatch.setattr(hearing, "robot_now_ns", made_clock.monotonic_ns)
-    monkeypatch.setattr("giraff_cli.network.connection.robot_now_ns", made_clock.monotonic_ns)
+    made = Here()
+    made.rule(monkeypatch, hearing)
+    monkeypatch.setattr(hearing, "robot_now_ns", made.clock.monotonic_ns)
+    monkeypatch.setattr("giraff_cli.network.connection.robot_now_ns", made.clock.monotonic_ns)
     monkeypatch.setattr(serving, "Localization", Idle)
     monkeypatch.setattr(serving, "discard_stdout", lambda: None)
-    made = Here()
-    made.clock = made_clock
     return made
 
 

@@ -8,24 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, cast
 
-import msgspec
 import pytest
 
 import giraff_cli.odom.client as it
-import giraff_node.network.query_client
-from giraff_cli.network.connection import RobotConnection
 from giraff_cli.odom.client import Result, reset, set_pose
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
-from giraff_core.network import NetworkConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
-from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
-from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, alive_key, key_of
-from tests.support.one_process import Clock, Session
+from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, alive_key
+from tests.unit.cli.asked import AskedRobot
 from tests.unit.odometry.robots import PERIOD_US, ROBOT, wheels
 
 NAME = "sim-odom"
@@ -40,13 +34,8 @@ def obey(policy: OdometryPolicy, wish: Wish) -> OdomAnswer | None:
     return policy.on_reset(wish) if isinstance(wish, OdomReset) else policy.on_set_pose(wish)
 
 
-class Network:
-    """A clock, a session and a watcher of a robot there."""
-
-    def __init__(self) -> None:
-        self.clock = Clock()
-        self.session = Session(self.clock)
-        self.connection = RobotConnection(NAME, cast(Any, self.session), network=NetworkConfig())
+class Network(AskedRobot):
+    """One that has an odometry."""
 
     @contextmanager
     def odometry(self, answer: Answer = obey, *, speaks: bool = True) -> Iterator[list[Wish]]:
@@ -55,23 +44,16 @@ class Network:
         policy.on_wheels(wheels())
         policy.on_wheels(wheels(1000, 1000, 400_000))
 
-        def hearer(type_: Any) -> Callable[[bytes], tuple[float, bytes] | None]:
-            def on_query(payload: bytes) -> tuple[float, bytes] | None:
-                asked.append(msgspec.msgpack.decode(payload, type=type_))
-                said = answer(policy, asked[-1])
-                return None if said is None else (0.02, encode(said))
-
-            return on_query
+        def say(request: Wish) -> OdomAnswer | None:
+            asked.append(request)
+            return answer(policy, request)
 
         def speak() -> None:
             said = policy.on_wheels(wheels(1000, 1000, 400_000 + next(turns) * PERIOD_US))
             assert said is not None
-            data = encode(stamped(said, 0, 0, "o"))
-            self.session.put(key_of(NAME, ODOM), data, encoding=encoding_of(ODOM.schema))
+            self.put(ODOM, said, "o")
 
-        declared = [
-            self.session.answer(key_of(NAME, query), hearer(query.request)) for query in (ODOM_RESET, ODOM_SET_POSE)
-        ]
+        declared = self.answer((ODOM_RESET, ODOM_SET_POSE), say)
         end = self.clock.every(1.0 / ODOM.rate_hz, speak) if speaks else None
         yield asked
         for one in declared:
@@ -82,9 +64,8 @@ class Network:
 
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
-    made = Network()
-    for module in (it, giraff_node.network.query_client):
-        monkeypatch.setattr(module, "time", made.clock)
+    made = Network(NAME)
+    made.rule(monkeypatch, it)
     return made
 
 

@@ -3,39 +3,34 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import Any, cast
 
 import pytest
 
 import giraff_cli.why.explain as it
-from giraff_cli.network.connection import RobotConnection
 from giraff_cli.why.chain import ChainState
 from giraff_core.network import NetworkConfig
 from giraff_schemas.codec import encode
 from giraff_schemas.health import Health
 from giraff_schemas.topics import alive_key, health_key
 from giraff_schemas.trouble import Trouble
-from tests.support.one_process import Clock, Session
+from tests.unit.cli.asked import AskedRobot
 
 ROBOT = "sim-why"
 SERVICES = ("base", "ranger", "guard", "odometry", "motion", "door")
 UNPLUGGED = "no such port; plug the board in"
 
 
-class Network:
+class Network(AskedRobot):
     """A robot of six services that say nothing by themselves. Each answers about its health, if it is asked."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.clock = Clock()
-        self.session = Session(self.clock)
+        super().__init__(ROBOT, NetworkConfig(connect=("192.168.1.20",), local=True))
         self.after: dict[str, float] = {}
         """By service, s until it answers."""
         self.faults: dict[str, tuple[str, ...]] = {}
         self.mute: set[str] = set()
         monkeypatch.setattr(it, "time", self.clock)
         monkeypatch.setattr(it, "robot_now_ns", self.clock.monotonic_ns)
-        at = NetworkConfig(connect=("192.168.1.20",), local=True)
-        self.connection = RobotConnection(ROBOT, cast(Any, self.session), network=at)
         self.tokens = ExitStack()
         for service in SERVICES:
             self.begin(service)
