@@ -15,16 +15,14 @@ from giraff_schemas.trouble import Trouble
 from tests.unit.base.rig import EPOCH, Rig, moving
 
 
-def test_a_neutral_hand_arms_and_then_the_robot_drives() -> None:
-    rig = Rig()
+def test_a_neutral_hand_arms_and_then_the_robot_drives(rig: Rig) -> None:
     rig.run(1.0)
     assert rig.base.state().armed
     rig.tilt(0.3)
     assert rig.run(1.5)[-1].levels == (35, 35)
 
 
-def test_nothing_moves_before_a_neutral_hand() -> None:
-    rig = Rig()
+def test_nothing_moves_before_a_neutral_hand(rig: Rig) -> None:
     rig.tilt(0.6, 0.5)
     sent = rig.run(5.0)
     assert len(sent) > 400
@@ -32,8 +30,7 @@ def test_nothing_moves_before_a_neutral_hand() -> None:
     assert all("hold the hand level" in str(each.state.reason) for each in sent[10:])
 
 
-def test_arming_takes_0_2_s_of_the_hands_own_time() -> None:
-    rig = Rig()
+def test_arming_takes_0_2_s_of_the_hands_own_time(rig: Rig) -> None:
     rig.operator_age = 0.0
     rig.run(0.02)
     first_neutral = rig.robot_ns
@@ -42,8 +39,7 @@ def test_arming_takes_0_2_s_of_the_hands_own_time() -> None:
     assert rig.robot_ns - first_neutral == 200_000_000
 
 
-def test_a_hand_that_was_level_before_the_disarming_does_not_arm_after_it() -> None:
-    rig = Rig()
+def test_a_hand_that_was_level_before_the_disarming_does_not_arm_after_it(rig: Rig) -> None:
     rig.operator_age = 0.3
     rig.run(1.0)
     assert rig.base.state().armed
@@ -56,23 +52,20 @@ def test_a_hand_that_was_level_before_the_disarming_does_not_arm_after_it() -> N
     assert rig.base.state().armed
 
 
-def test_one_old_neutral_command_repeated_for_ages_never_arms() -> None:
-    rig = Rig()
+def test_one_old_neutral_command_repeated_for_ages_never_arms(rig: Rig) -> None:
     rig.freeze(5.0)
     assert not rig.base.state().armed
 
 
 @pytest.mark.parametrize("age", [0.03, 0.2, 0.39])
-def test_many_copies_of_one_neutral_measurement_are_one(age: float) -> None:
-    rig = Rig()
+def test_many_copies_of_one_neutral_measurement_are_one(rig: Rig, age: float) -> None:
     still = rig.ago(age)
     for _ in range(100):
         rig.say(msgspec.structs.replace(rig.command(), operator_tick=still))
     assert not rig.base.state().armed
 
 
-def test_two_neutral_moments_with_silence_between_them_are_not_a_held_hand() -> None:
-    rig = Rig()
+def test_two_neutral_moments_with_silence_between_them_are_not_a_held_hand(rig: Rig) -> None:
     for _ in range(10):
         rig.guard_speaks = True
         rig.run(0.02)
@@ -81,8 +74,7 @@ def test_two_neutral_moments_with_silence_between_them_are_not_a_held_hand() -> 
     assert not rig.base.state().armed
 
 
-def test_a_tilt_in_between_starts_the_time_again() -> None:
-    rig = Rig()
+def test_a_tilt_in_between_starts_the_time_again(rig: Rig) -> None:
     for _ in range(10):
         rig.tilt(0.0)
         rig.run(0.18)
@@ -105,16 +97,14 @@ def test_a_tilt_in_between_starts_the_time_again() -> None:
     ],
     ids=["fault", "not the hand's", "stale hand", "hand ahead", "stale guard", "guard ahead", "other epoch"],
 )
-def test_a_neutral_that_proves_nothing_does_not_arm(spoil: Callable[[Rig], None]) -> None:
-    rig = Rig()
+def test_a_neutral_that_proves_nothing_does_not_arm(rig: Rig, spoil: Callable[[Rig], None]) -> None:
     spoil(rig)
     rig.run(3.0)
     assert not rig.base.state().armed
     assert rig.base.state().reason
 
 
-def test_a_guard_that_says_neutral_hand_and_drives_does_not_arm() -> None:
-    rig = Rig()
+def test_a_guard_that_says_neutral_hand_and_drives_does_not_arm(rig: Rig) -> None:
     rig.hand_neutral = True
     rig.tilt(0.3)
     rig.run(3.0)
@@ -133,58 +123,10 @@ def lose(rig: Rig) -> None:
     reopen(rig)
 
 
-def reset_board(rig: Rig) -> None:
-    rig.board.reset()
-
-
-def other_operator(rig: Rig) -> None:
-    rig.operator = "operator-2"
-
-
-def operator_for_a_moment(rig: Rig) -> None:
-    rig.operator = "operator-2"
-    rig.run(0.02)
-    rig.operator = "operator-1"
-
-
-def other_lease(rig: Rig) -> None:
-    rig.lease_counter = 6
-
-
-def another_program(rig: Rig) -> None:
-    rig.board.session = 55
-
-
-def silent_board(rig: Rig) -> None:
-    rig.connected = False
-    rig.run(1.05)
-    rig.connected = True
-
-
 def other_guard(rig: Rig) -> None:
     rig.guard_speaks = False
     rig.run(0.6)
     rig.guard_speaks, rig.guard = True, "guard-2"
-
-
-def second_guard(rig: Rig) -> None:
-    rig.guard = "guard-2"
-    rig.run(0.02)
-    rig.guard = "guard-1"
-
-
-def fault(rig: Rig) -> None:
-    rig.source = "fault"
-    rig.run(0.02)
-    rig.source = "hand"
-
-
-def fault_between_two_words(rig: Rig) -> None:
-    rig.faults += 1
-
-
-def stale_operator(rig: Rig) -> None:
-    rig.freeze(1.0)
 
 
 def stale_operator_while_the_board_is_silent(rig: Rig) -> None:
@@ -197,47 +139,44 @@ def stale_operator_while_the_board_is_silent(rig: Rig) -> None:
     rig.connected = True
 
 
-def silent_guard(rig: Rig) -> None:
-    rig.guard_speaks = False
-    rig.run(1.02)
-    rig.guard_speaks = True
+def for_a_while(seconds: float = 0.02, **others: object) -> Callable[[Rig], None]:
+    """Return what gives attributes of the rig other values for so long."""
+
+    def happen(rig: Rig) -> None:
+        usual = {name: getattr(rig, name) for name in others}
+        for values, lasts in ((others, seconds), (usual, 0.0)):
+            for name, value in values.items():
+                setattr(rig, name, value)
+            rig.run(lasts)
+
+    return happen
 
 
-def stale_range(rig: Rig) -> None:
-    rig.range_age = 1.01
-    rig.run(0.02)
-    rig.range_age = 0.1
+fault = for_a_while(source="fault")
+DISARMING: dict[str, tuple[Callable[[Rig], object], str]] = {
+    "reopen": (reopen, "opened anew"),
+    "lose": (lose, "link was lost"),
+    "reset board": (lambda rig: rig.board.reset(), "board was reset"),
+    "other operator": (lambda rig: setattr(rig, "operator", "operator-2"), "another operator"),
+    "operator for a moment": (for_a_while(operator="operator-2"), "another operator"),
+    "other lease": (lambda rig: setattr(rig, "lease_counter", 6), "a new lease"),
+    "another program": (lambda rig: setattr(rig.board, "session", 55), "another program"),
+    "silent board": (for_a_while(1.05, connected=False), "silent"),
+    "other guard": (other_guard, "guard-2"),
+    "second guard": (for_a_while(guard="guard-2"), "guard-2"),
+    "fault": (fault, "fault"),
+    "fault between two words": (lambda rig: setattr(rig, "faults", 1), "was at fault"),
+    "stale operator": (lambda rig: rig.freeze(1.0), "stale"),
+    "stale operator while the board is silent": (stale_operator_while_the_board_is_silent, "stale"),
+    "silent guard": (for_a_while(1.02, guard_speaks=False), "stale"),
+    "stale range": (for_a_while(range_age=1.01), "stale"),
+    "no operator tick": (for_a_while(operator_age=-1.0), "stale"),
+}
 
 
-def no_operator_tick(rig: Rig) -> None:
-    usual, rig.operator_age = rig.operator_age, -1.0
-    rig.run(0.02)
-    rig.operator_age = usual
-
-
-DISARMING: list[tuple[Callable[[Rig], None], str]] = [
-    (reopen, "opened anew"),
-    (lose, "link was lost"),
-    (reset_board, "board was reset"),
-    (other_operator, "another operator"),
-    (operator_for_a_moment, "another operator"),
-    (other_lease, "a new lease"),
-    (another_program, "another program"),
-    (silent_board, "silent"),
-    (other_guard, "guard-2"),
-    (second_guard, "guard-2"),
-    (fault, "fault"),
-    (fault_between_two_words, "was at fault"),
-    (stale_operator, "stale"),
-    (stale_operator_while_the_board_is_silent, "stale"),
-    (silent_guard, "stale"),
-    (stale_range, "stale"),
-    (no_operator_tick, "stale"),
-]
-
-
-@pytest.mark.parametrize(("happen", "why"), DISARMING, ids=lambda part: getattr(part, "__name__", None))
-def test_what_disarms_while_driving(happen: Callable[[Rig], None], why: str) -> None:
+@pytest.mark.parametrize("name", DISARMING)
+def test_what_disarms_while_driving(name: str) -> None:
+    happen, why = DISARMING[name]
     rig = Rig()
     rig.drive(0.6)
     happen(rig)
@@ -256,12 +195,13 @@ def test_what_disarms_while_driving(happen: Callable[[Rig], None], why: str) -> 
     assert max(each.levels[0] for each in again[:5]) < 10
 
 
-@pytest.mark.parametrize(("happen", "why"), DISARMING, ids=lambda part: getattr(part, "__name__", None))
-def test_what_disarms_a_robot_that_stands(happen: Callable[[Rig], None], why: str) -> None:
+@pytest.mark.parametrize("name", DISARMING)
+def test_what_disarms_a_robot_that_stands(name: str) -> None:
+    happen, why = DISARMING[name]
     rig = Rig()
     rig.arm()
     # A range counts for what is driven; everything else is refused for what it is.
-    rig.tilt(0.6 if happen is stale_range else 0.0)
+    rig.tilt(0.6 if name == "stale range" else 0.0)
     happen(rig)
     rig.tilt(0.6)
     sent = rig.run(3.0)
@@ -282,9 +222,8 @@ def test_what_disarms_a_robot_that_stands(happen: Callable[[Rig], None], why: st
     ids=["operator", "guard", "range"],
 )
 def test_shorter_staleness_stops_and_the_ramp_starts_again(
-    stop: Callable[[Rig], None], resume: Callable[[Rig], None]
+    rig: Rig, stop: Callable[[Rig], None], resume: Callable[[Rig], None]
 ) -> None:
-    rig = Rig()
     rig.drive(0.6)
     stop(rig)
     rig.run(0.8)
@@ -299,33 +238,27 @@ def test_shorter_staleness_stops_and_the_ramp_starts_again(
     assert starts[-1] == 70
 
 
-def test_a_dead_range_leaves_turning() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.range_age = None
-    rig.tilt(0.0, 1.0)
-    assert rig.run(1.5)[-1].levels == (-27, 27)
+def test_a_dead_range_leaves_turning(driven: Rig) -> None:
+    driven.range_age = None
+    driven.tilt(0.0, 1.0)
+    assert driven.run(1.5)[-1].levels == (-27, 27)
 
 
-def test_the_reason_to_be_unarmed_is_the_first_one_since_it_was_armed() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    reopen(rig)
-    rig.run(0.1)
-    fault(rig)
-    rig.run(1.0)
-    assert "opened anew" in str(rig.base.state().reason)
+def test_the_reason_to_be_unarmed_is_the_first_one_since_it_was_armed(driven: Rig) -> None:
+    reopen(driven)
+    driven.run(0.1)
+    fault(driven)
+    driven.run(1.0)
+    assert "opened anew" in str(driven.base.state().reason)
 
 
-def test_starting_is_a_reason_too() -> None:
-    rig = Rig()
+def test_starting_is_a_reason_too(rig: Rig) -> None:
     rig.tilt(0.1)
     rig.run(1.0)
     assert "base has just started" in str(rig.base.state().reason)
 
 
-def test_what_a_drive_forbids_disarms_until_it_is_put_right(monkeypatch: pytest.MonkeyPatch) -> None:
-    rig = Rig()
+def test_what_a_drive_forbids_disarms_until_it_is_put_right(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     rig.drive(0.3)
     lies = Trouble("the robot is off and not upright", "hold it upright and still")
     monkeypatch.setattr(WheelsDrive, "forbids", lies)

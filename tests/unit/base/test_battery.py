@@ -23,29 +23,25 @@ def charge(rig: Rig, volts: float) -> None:
     rig.board.battery_adc_counts = round(volts / VOLTS_PER_COUNT)
 
 
-def test_a_low_battery_halves_the_speed_and_warns() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    charge(rig, 21.6)
-    assert rig.run(4.9)[-1].levels == (70, 70)
-    assert rig.base.faults["battery"] == WELL
-    assert rig.run(0.2)[-1].levels == (35, 35)
-    assert str(rig.base.state().reason) == "slowed: the battery is low at 21.6 V; charge it"
-    assert rig.base.faults["battery"] == Trouble("the battery is low at 21.6 V", "charge it")
-    assert rig.base.state().armed
+def test_a_low_battery_halves_the_speed_and_warns(driven: Rig) -> None:
+    charge(driven, 21.6)
+    assert driven.run(4.9)[-1].levels == (70, 70)
+    assert driven.base.faults["battery"] == WELL
+    assert driven.run(0.2)[-1].levels == (35, 35)
+    assert str(driven.base.state().reason) == "slowed: the battery is low at 21.6 V; charge it"
+    assert driven.base.faults["battery"] == Trouble("the battery is low at 21.6 V", "charge it")
+    assert driven.base.state().armed
 
 
-def test_a_battery_that_rests_is_not_charged() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    charge(rig, 21.6)
-    rig.run(5.1)
-    charge(rig, 22.4)
-    assert rig.run(6.0)[-1].levels == (35, 35)
-    charge(rig, 22.6)
-    assert rig.run(4.9)[-1].levels == (35, 35)
-    assert rig.run(1.0)[-1].levels == (70, 70)
-    assert rig.base.faults["battery"] == WELL
+def test_a_battery_that_rests_is_not_charged(driven: Rig) -> None:
+    charge(driven, 21.6)
+    driven.run(5.1)
+    charge(driven, 22.4)
+    assert driven.run(6.0)[-1].levels == (35, 35)
+    charge(driven, 22.6)
+    assert driven.run(4.9)[-1].levels == (35, 35)
+    assert driven.run(1.0)[-1].levels == (70, 70)
+    assert driven.base.faults["battery"] == WELL
 
 
 EMPTY = "the battery is empty at 19.8 V; charge it to 22 V, then giraff estop reset"
@@ -154,52 +150,44 @@ def test_a_charge_is_a_volt_more_of_a_robot_that_rests_and_nothing_else() -> Non
 
 
 @pytest.mark.parametrize("dip", [0.1, 4.9])
-def test_dips_under_load_neither_slow_nor_stop(dip: float) -> None:
-    rig = Rig()
-    rig.drive(0.6)
+def test_dips_under_load_neither_slow_nor_stop(driven: Rig, dip: float) -> None:
     for _ in range(2):
-        charge(rig, 15.0)
-        assert rig.run(dip)[-1].levels == (70, 70)
-        charge(rig, 24.0)
-        assert rig.run(dip)[-1].levels == (70, 70)
-    assert rig.base.faults["battery"] == WELL
+        charge(driven, 15.0)
+        assert driven.run(dip)[-1].levels == (70, 70)
+        charge(driven, 24.0)
+        assert driven.run(dip)[-1].levels == (70, 70)
+    assert driven.base.faults["battery"] == WELL
 
 
-def test_a_robot_that_stops_again_and_again_does_not_hide_an_empty_battery() -> None:
-    rig = Rig()
-    rig.drive(0.6)
+def test_a_robot_that_stops_again_and_again_does_not_hide_an_empty_battery(driven: Rig) -> None:
     for _ in range(2):
-        charge(rig, 17.0)
-        rig.run(4.5)
-        charge(rig, 20.2)
-        rig.run(0.5)
-    assert rig.base.latch.by == "battery"
+        charge(driven, 17.0)
+        driven.run(4.5)
+        charge(driven, 20.2)
+        driven.run(0.5)
+    assert driven.base.latch.by == "battery"
 
 
-def test_a_base_that_stood_still_takes_no_dip_before_it_for_an_empty_battery() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    charge(rig, 15.0)
-    rig.run(0.6)
-    rig.robot_ns += 6_000_000_000
-    rig.step()  # what has waited
-    charge(rig, 25.0)
-    rig.run(1.0)
-    assert not rig.base.latch.engaged
+def test_a_base_that_stood_still_takes_no_dip_before_it_for_an_empty_battery(driven: Rig) -> None:
+    charge(driven, 15.0)
+    driven.run(0.6)
+    driven.robot_ns += 6_000_000_000
+    driven.step()  # what has waited
+    charge(driven, 25.0)
+    driven.run(1.0)
+    assert not driven.base.latch.engaged
 
 
-def test_dips_on_both_sides_of_a_lost_link_are_two() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    charge(rig, 15.0)
-    rig.run(1.0)
-    rig.base.on_link_lost(Trouble("unplugged"))
-    rig.connected = False
-    rig.run(5.0)
-    rig.connected = True
-    rig.base.on_link_opened(session=100)
-    rig.run(1.0)
-    assert rig.base.faults["battery"] == WELL
+def test_dips_on_both_sides_of_a_lost_link_are_two(driven: Rig) -> None:
+    charge(driven, 15.0)
+    driven.run(1.0)
+    driven.base.on_link_lost(Trouble("unplugged"))
+    driven.connected = False
+    driven.run(5.0)
+    driven.connected = True
+    driven.base.on_link_opened(session=100)
+    driven.run(1.0)
+    assert driven.base.faults["battery"] == WELL
 
 
 def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:

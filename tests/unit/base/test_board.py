@@ -20,7 +20,6 @@ from giraff_schemas.wire import (
     ConfigureFrame,
     DriveFrame,
     DriveState,
-    Frame,
     HelloFrame,
     Refusal,
     Wiring,
@@ -34,14 +33,10 @@ def test_base_tells_how_often_its_board_reports(monkeypatch: pytest.MonkeyPatch)
     assert Rig().base.state().board.report_ms == 15
 
 
-def frames_until(rig: Rig, seconds: float) -> list[Frame]:
-    return [frame for _ in range(round(seconds * 100)) if (frame := rig.step()) is not None]
-
-
 def test_a_board_without_our_session_is_configured_until_it_has_it() -> None:
     rig = Rig(drive=msgspec.structs.replace(DRIVE, swap_motors=True, invert_right_encoder=True, max_level=50))
     rig.board.ignores_configure = True
-    frames = frames_until(rig, 1.0)
+    frames = [frame for _ in range(100) if (frame := rig.step()) is not None]
     assert all(isinstance(frame, ConfigureFrame) for frame in frames)
     assert 18 <= len(frames) <= 21  # each 50 ms
     assert "configured" in str(rig.base.state().reason)
@@ -57,8 +52,7 @@ def test_a_board_without_our_session_is_configured_until_it_has_it() -> None:
     assert rig.board.drive_state == DriveState.ACTIVE
 
 
-def test_each_configure_frame_echoes_the_newest_board_time() -> None:
-    rig = Rig()
+def test_each_configure_frame_echoes_the_newest_board_time(rig: Rig) -> None:
     rig.board.ignores_configure = True
     for _ in range(20):
         frame = rig.step()
@@ -66,8 +60,7 @@ def test_each_configure_frame_echoes_the_newest_board_time() -> None:
             assert frame.board_ms == rig.board.board_ms
 
 
-def test_a_board_that_refuses_our_protocol_is_named_with_the_way_out() -> None:
-    rig = Rig()
+def test_a_board_that_refuses_our_protocol_is_named_with_the_way_out(rig: Rig) -> None:
     rig.board.protocol_hash = PROTOCOL_HASH ^ 1
     rig.tilt(0.6)
     assert rig.run(2.0) == []
@@ -75,8 +68,7 @@ def test_a_board_that_refuses_our_protocol_is_named_with_the_way_out() -> None:
     assert rig.board.levels == (0, 0)
 
 
-def test_a_reset_board_is_configured_again_with_the_same_session() -> None:
-    rig = Rig()
+def test_a_reset_board_is_configured_again_with_the_same_session(rig: Rig) -> None:
     rig.drive(0.3)
     rig.board.reset()
     rig.run(0.1)
@@ -85,8 +77,7 @@ def test_a_reset_board_is_configured_again_with_the_same_session() -> None:
     assert rig.base.state().board.boot_id == 2
 
 
-def test_a_link_that_was_opened_again_has_a_session_of_its_own() -> None:
-    rig = Rig()
+def test_a_link_that_was_opened_again_has_a_session_of_its_own(rig: Rig) -> None:
     rig.drive(0.3)
     rig.base.on_link_opened(session=100)
     assert rig.base.state().reason
@@ -96,92 +87,79 @@ def test_a_link_that_was_opened_again_has_a_session_of_its_own() -> None:
 
 
 @pytest.mark.parametrize("state", [DriveState.NOT_CONFIGURED, DriveState.AWAITING_ZERO, DriveState.COMMAND_TIMEOUT])
-def test_a_latched_board_gets_zero_frames_until_it_is_active_and_then_a_ramp(state: DriveState) -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.board.is_deaf = True
-    rig.board.drive_state, rig.board.levels = state, (0, 0)
-    sent = rig.run(0.5)
+def test_a_latched_board_gets_zero_frames_until_it_is_active_and_then_a_ramp(driven: Rig, state: DriveState) -> None:
+    driven.board.is_deaf = True
+    driven.board.drive_state, driven.board.levels = state, (0, 0)
+    sent = driven.run(0.5)
     assert len(sent) == 50
     assert moving(sent) == []
     assert state.name.lower() in str(sent[-1].state.reason)
     assert not sent[-1].state.driving
-    rig.board.is_deaf = False
-    again = rig.run(1.5)
+    driven.board.is_deaf = False
+    again = driven.run(1.5)
     speeds = [each.levels[0] for each in again]
     assert speeds[0] == 0
     assert max(after - before for before, after in pairwise(speeds)) <= 1
     assert speeds[-1] == 70
 
 
-def test_a_board_that_timed_out_is_driven_again_from_rest_without_arming() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.connected = False
-    rig.run(0.4)
-    assert rig.board.drive_state == DriveState.COMMAND_TIMEOUT
-    rig.connected = True
-    again = rig.run(1.5)
+def test_a_board_that_timed_out_is_driven_again_from_rest_without_arming(driven: Rig) -> None:
+    driven.connected = False
+    driven.run(0.4)
+    assert driven.board.drive_state == DriveState.COMMAND_TIMEOUT
+    driven.connected = True
+    again = driven.run(1.5)
     assert [each.moves for each in again[:2]] == [False, True]
     assert again[1].levels == (1, 1)
     assert again[-1].levels == (70, 70)
 
 
-def test_each_report_is_answered_once_with_its_own_echo() -> None:
-    rig = Rig()
+def test_each_report_is_answered_once_with_its_own_echo(rig: Rig) -> None:
     for each in rig.drive(0.6, 0.5):
         assert each.frame.board_ms == each.report.board_ms
         assert each.frame.boot_id == each.report.boot_id
     assert rig.base.next_frame(rig.now) is None
 
 
-def test_of_many_reports_at_once_only_the_newest_is_answered() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    reports = [rig.board.report() for _ in range(80)]
-    told = [sample.board_us for sample in rig.base.on_frames(reports, rig.now) if isinstance(sample, Wheels)]
+def test_of_many_reports_at_once_only_the_newest_is_answered(driven: Rig) -> None:
+    reports = [driven.board.report() for _ in range(80)]
+    told = [sample.board_us for sample in driven.base.on_frames(reports, driven.now) if isinstance(sample, Wheels)]
     assert told == [report.board_us for report in reports]
-    frame = rig.base.next_frame(rig.now)
+    frame = driven.base.next_frame(driven.now)
     assert isinstance(frame, DriveFrame)
     assert frame.board_ms == reports[-1].board_ms
-    assert rig.base.next_frame(rig.now) is None
+    assert driven.base.next_frame(driven.now) is None
 
 
-def test_a_new_command_goes_down_at_once() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.linear = 0.0
-    rig.say(rig.command())
-    frame = rig.base.next_frame(rig.now)
+def test_a_new_command_goes_down_at_once(driven: Rig) -> None:
+    driven.linear = 0.0
+    driven.say(driven.command())
+    frame = driven.base.next_frame(driven.now)
     assert isinstance(frame, DriveFrame)
     assert (frame.left_level, frame.right_level) == (0, 0)
-    assert rig.base.next_frame(rig.now) is None
+    assert driven.base.next_frame(driven.now) is None
 
 
-def test_a_command_that_does_not_count_has_no_frame() -> None:
-    rig = Rig()
-    rig.drive(0.6)
+def test_a_command_that_does_not_count_has_no_frame(driven: Rig) -> None:
     for refused in (
-        msgspec.structs.replace(rig.command(), guard_tick=rig.ago(0.3)),
-        msgspec.structs.replace(rig.command(), instance="another guard"),
-        msgspec.structs.replace(rig.command(), seq=0),
+        msgspec.structs.replace(driven.command(), guard_tick=driven.ago(0.3)),
+        msgspec.structs.replace(driven.command(), instance="another guard"),
+        msgspec.structs.replace(driven.command(), seq=0),
     ):
-        rig.say(refused)
-        assert rig.base.next_frame(rig.now) is None
+        driven.say(refused)
+        assert driven.base.next_frame(driven.now) is None
 
 
-def test_between_two_reports_only_one_command_has_a_frame_of_its_own() -> None:
+def test_between_two_reports_only_one_command_has_a_frame_of_its_own(driven: Rig) -> None:
     """A flood of commands does not fill the line; the newest goes down with the next report."""
-    rig = Rig()
-    rig.drive(0.6)
     frames = []
     for number in range(50):
-        rig.linear = 0.6 if number < 49 else 0.0
-        rig.say(rig.command())
-        frames.append(rig.base.next_frame(rig.now))
+        driven.linear = 0.6 if number < 49 else 0.0
+        driven.say(driven.command())
+        frames.append(driven.base.next_frame(driven.now))
     assert [frame is not None for frame in frames] == [True] + [False] * 49
-    rig.base.on_frames([rig.board.report()], rig.now)
-    answer = rig.base.next_frame(rig.now)
+    driven.base.on_frames([driven.board.report()], driven.now)
+    answer = driven.base.next_frame(driven.now)
     assert isinstance(answer, DriveFrame)
     assert (answer.left_level, answer.right_level) == (0, 0)
 
@@ -203,23 +181,20 @@ def test_a_frame_between_two_reports_does_not_hasten_a_start() -> None:
     assert 0 < hurried.board.levels[0] <= plain.board.levels[0] + 1
 
 
-def test_without_a_report_there_is_nothing_to_send() -> None:
+def test_without_a_report_there_is_nothing_to_send(driven: Rig) -> None:
     """But once: the board refuses what echoes an old report."""
-    rig = Rig()
-    rig.drive(0.6)
     frames = []
     for _ in range(10):
-        rig.robot_ns += 10_000_000
-        rig.say(rig.command())
-        frames.append(rig.base.next_frame(rig.now))
+        driven.robot_ns += 10_000_000
+        driven.say(driven.command())
+        frames.append(driven.base.next_frame(driven.now))
     assert [frame is not None for frame in frames] == [True] + [False] * 9
-    rig.base.on_link_lost(Trouble("unplugged"))
-    rig.say(rig.command())
-    assert rig.base.next_frame(rig.now) is None
+    driven.base.on_link_lost(Trouble("unplugged"))
+    driven.say(driven.command())
+    assert driven.base.next_frame(driven.now) is None
 
 
-def test_sequence_goes_on_across_its_wrap_and_the_board_takes_every_frame() -> None:
-    rig = Rig()
+def test_sequence_goes_on_across_its_wrap_and_the_board_takes_every_frame(rig: Rig) -> None:
     assert isinstance(rig.base._drive, WheelsDrive)
     rig.base._drive._frames._seq = 0xFF80
     sent = rig.drive(0.3)
@@ -231,8 +206,7 @@ def test_sequence_goes_on_across_its_wrap_and_the_board_takes_every_frame() -> N
     assert rig.board.drive_state == DriveState.ACTIVE
 
 
-def test_the_boards_clock_wraps_without_a_trace() -> None:
-    rig = Rig()
+def test_the_boards_clock_wraps_without_a_trace(rig: Rig) -> None:
     sent = rig.drive(0.3) + rig.run(2.0)
     assert any(before.report.board_us > after.report.board_us for before, after in pairwise(sent))
     steady = sent[200:]
@@ -240,46 +214,40 @@ def test_the_boards_clock_wraps_without_a_trace() -> None:
     assert all(sample.left_velocity == pytest.approx(0.3, abs=0.02) for sample in rig.samples[-100:])
 
 
-def test_starts_are_ramped_and_stops_are_not() -> None:
-    rig = Rig()
-    rig.arm()
-    rig.tilt(0.6)
-    speeds = [each.levels[0] for each in rig.run(1.2)]
+def test_starts_are_ramped_and_stops_are_not(armed: Rig) -> None:
+    armed.tilt(0.6)
+    speeds = [each.levels[0] for each in armed.run(1.2)]
     assert speeds.index(70) == pytest.approx(100, abs=4)  # 0.6 m/s at 0.6 m/s²
-    rig.tilt(0.0)
-    assert rig.run(0.03)[-1].levels == (0, 0)
-    rig.tilt(0.0, 1.0)
-    turns = [each.levels[1] for each in rig.run(1.0)]
+    armed.tilt(0.0)
+    assert armed.run(0.03)[-1].levels == (0, 0)
+    armed.tilt(0.0, 1.0)
+    turns = [each.levels[1] for each in armed.run(1.0)]
     assert turns.index(27) == pytest.approx(40, abs=4)  # 1 rad/s at 2.5 rad/s²
 
 
 @pytest.mark.parametrize("ends", ["travel", "turn"])
-def test_the_one_that_goes_on_does_not_leap_where_the_other_ends(ends: str) -> None:
+def test_the_one_that_goes_on_does_not_leap_where_the_other_ends(armed: Rig, ends: str) -> None:
     """Both are slowed where a wheel would be too fast; the one left alone may be faster, by its ramp."""
-    rig = Rig()
-    rig.arm()
-    rig.tilt(0.6, 2.0)
-    rig.run(1.5)
-    left, right = rig.sent[-1].levels
+    armed.tilt(0.6, 2.0)
+    armed.run(1.5)
+    left, right = armed.sent[-1].levels
     assert max(left, right) == DRIVE.max_level
     if ends == "travel":
-        rig.tilt(0.0, 2.0)
+        armed.tilt(0.0, 2.0)
         before, step = (right - left) / 2, CONFIG.angular_acceleration * ROBOT.track_width / 2
     else:
-        rig.tilt(0.6, 0.0)
+        armed.tilt(0.6, 0.0)
         before, step = (right + left) / 2, CONFIG.linear_acceleration
     step *= WHEELS_PERIOD_MS * 1e-3 * DRIVE.max_level / ROBOT.max_wheel_speed
-    alone = [each.levels[1] for each in rig.run(0.5) if abs(each.levels[0]) == abs(each.levels[1])]
+    alone = [each.levels[1] for each in armed.run(0.5) if abs(each.levels[0]) == abs(each.levels[1])]
     assert alone[0] <= before + 2 * step + 1, "the guard speaks each second report"
     assert all(after <= now + step + 1 for now, after in pairwise(alone))
     assert alone[-1] > before + 10
 
 
-def test_a_reversal_starts_from_zero() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.tilt(-0.6)
-    speeds = [each.levels[0] for each in rig.run(1.2)]
+def test_a_reversal_starts_from_zero(driven: Rig) -> None:
+    driven.tilt(-0.6)
+    speeds = [each.levels[0] for each in driven.run(1.2)]
     turn = next(n for n, speed in enumerate(speeds) if speed <= 0)
     assert all(speed == 70 for speed in speeds[:turn])
     assert speeds[turn] >= -1
@@ -288,22 +256,19 @@ def test_a_reversal_starts_from_zero() -> None:
 
 
 @pytest.mark.parametrize("pause", [0.04, 0.1, 0.25])
-def test_a_ramp_does_not_jump_after_a_pause(pause: float) -> None:
+def test_a_ramp_does_not_jump_after_a_pause(armed: Rig, pause: float) -> None:
     """It goes on by two reports' worth at most: 1.4 counts."""
-    rig = Rig()
-    rig.arm()
-    rig.tilt(0.6)
-    rig.run(0.1)
-    before = rig.sent[-1].levels[0]
-    rig.connected = False
-    rig.run(pause)
-    rig.connected = True
-    rig.run(0.01)
-    assert rig.sent[-1].levels[0] <= before + 2
+    armed.tilt(0.6)
+    armed.run(0.1)
+    before = armed.sent[-1].levels[0]
+    armed.connected = False
+    armed.run(pause)
+    armed.connected = True
+    armed.run(0.01)
+    assert armed.sent[-1].levels[0] <= before + 2
 
 
-def test_only_reports_of_this_session_become_samples() -> None:
-    rig = Rig()
+def test_only_reports_of_this_session_become_samples(rig: Rig) -> None:
     rig.board.session = 55
     rig.board.ignores_configure = True
     rig.run(0.5)
@@ -314,8 +279,7 @@ def test_only_reports_of_this_session_become_samples() -> None:
     assert rig.samples[0].tick.epoch == 7
 
 
-def test_frames_of_other_kinds_change_nothing() -> None:
-    rig = Rig()
+def test_frames_of_other_kinds_change_nothing(rig: Rig) -> None:
     rig.drive(0.3)
     state = rig.base.state()
     hello = HelloFrame(seq=0, board_us=0, board=1, protocol_hash=PROTOCOL_HASH, boot_id=77, reset_cause=0)
@@ -324,8 +288,7 @@ def test_frames_of_other_kinds_change_nothing() -> None:
     assert rig.base.state() == state
 
 
-def test_state_is_the_newest_frame_and_report() -> None:
-    rig = Rig()
+def test_state_is_the_newest_frame_and_report(rig: Rig) -> None:
     assert str(rig.base.state().reason) == "no report from the base board yet"
     assert not rig.base.state().board.connected
     rig.drive(0.3)
@@ -347,17 +310,14 @@ def test_state_is_the_newest_frame_and_report() -> None:
     assert not state.board.connected
 
 
-def test_what_the_guard_gives_as_reason_is_passed_on() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.reason = "forward blocked: front sees something at 0.30 m; turn, or back up"
-    rig.tilt(0.0)
-    rig.run(0.1)
-    assert str(rig.base.state().reason) == str(rig.reason)
+def test_what_the_guard_gives_as_reason_is_passed_on(driven: Rig) -> None:
+    driven.reason = "forward blocked: front sees something at 0.30 m; turn, or back up"
+    driven.tilt(0.0)
+    driven.run(0.1)
+    assert str(driven.base.state().reason) == str(driven.reason)
 
 
-def test_without_a_guard_that_is_the_reason() -> None:
-    rig = Rig()
+def test_without_a_guard_that_is_the_reason(rig: Rig) -> None:
     rig.guard_speaks = False
     rig.run(0.5)
     assert "guard" in str(rig.base.state().reason)
@@ -368,8 +328,7 @@ def test_without_a_guard_that_is_the_reason() -> None:
     assert "start giraff_guard" in str(rig.base.state().reason)
 
 
-def test_battery_is_published_where_its_divider_is_known() -> None:
-    rig = Rig()
+def test_battery_is_published_where_its_divider_is_known(rig: Rig) -> None:
     assert rig.base.battery() is None
     rig.run(0.1)
     battery = rig.base.battery()

@@ -61,32 +61,27 @@ def test_each_tick_counts_to_the_edge_of_its_budget_and_not_beyond(tick: str, ag
     assert rig.base.state().armed
 
 
-def test_a_guards_command_beyond_its_edge_is_refused_and_the_one_in_charge_goes_on() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    assert driven_by(rig, guard_tick=aged(rig, 200_000_001), linear_x=0.3)[0] == (70, 70)
-    assert driven_by(rig, guard_tick=aged(rig, 0), linear_x=0.3)[0] == (35, 35)
+def test_a_guards_command_beyond_its_edge_is_refused_and_the_one_in_charge_goes_on(driven: Rig) -> None:
+    assert driven_by(driven, guard_tick=aged(driven, 200_000_001), linear_x=0.3)[0] == (70, 70)
+    assert driven_by(driven, guard_tick=aged(driven, 0), linear_x=0.3)[0] == (35, 35)
 
 
 @pytest.mark.parametrize("tick", ["operator_tick", "range_tick"])
 @pytest.mark.parametrize("moment", ["other epoch", "nobody's epoch", "ahead", "just ahead"])
-def test_a_moment_that_proves_nothing_stops_at_once(tick: str, moment: str) -> None:
-    rig = Rig()
-    rig.drive(0.6)
+def test_a_moment_that_proves_nothing_stops_at_once(driven: Rig, tick: str, moment: str) -> None:
     moments = {
-        "other epoch": aged(rig, 10, EPOCH + 1),
-        "nobody's epoch": aged(rig, 10, 0),
-        "ahead": aged(rig, -NS),
-        "just ahead": aged(rig, -1),
+        "other epoch": aged(driven, 10, EPOCH + 1),
+        "nobody's epoch": aged(driven, 10, 0),
+        "ahead": aged(driven, -NS),
+        "just ahead": aged(driven, -1),
     }
-    levels, reason = driven_by(rig, **{tick: moments[moment]})
+    levels, reason = driven_by(driven, **{tick: moments[moment]})
     assert levels == (0, 0)
     assert reason
 
 
 @pytest.mark.parametrize("age_ns", [200_000_001, NS, -1])
-def test_when_the_guards_commands_come_too_late_the_last_good_one_runs_out(age_ns: int) -> None:
-    rig = Rig()
+def test_when_the_guards_commands_come_too_late_the_last_good_one_runs_out(rig: Rig, age_ns: int) -> None:
     last_good = rig.drive(0.6)[-1].robot_ns - round(rig.guard_age * NS)
     rig.guard_age = age_ns / NS
     sent = rig.run(3.0)
@@ -105,14 +100,12 @@ def test_a_command_without_a_guards_or_operators_moment_never_drives() -> None:
         assert moving(rig.sent[-150:]) == []
 
 
-def test_nothing_is_asked_of_a_range_that_nothing_relies_on() -> None:
-    rig = Rig()
+def test_nothing_is_asked_of_a_range_that_nothing_relies_on(rig: Rig) -> None:
     rig.drive(0.0, 1.0)
     assert driven_by(rig, range_tick=None) == ((-27, 27), "")
 
 
-def test_a_rotation_that_the_guard_lets_pass_needs_no_fresh_range_but_a_dead_one_disarms() -> None:
-    rig = Rig()
+def test_a_rotation_that_the_guard_lets_pass_needs_no_fresh_range_but_a_dead_one_disarms(rig: Rig) -> None:
     rig.drive(0.0, 1.0)
     assert driven_by(rig, range_tick=aged(rig, 900_000_000)) == ((-27, 27), "")
     levels, reason = driven_by(rig, range_tick=aged(rig, 1_100_000_000))
@@ -145,8 +138,7 @@ def test_speed_falls_from_half_the_budget_to_zero_at_its_end(silent: str) -> Non
     assert sent[-1].state.reason
 
 
-def test_a_slowed_robot_says_whose_commands_come_late() -> None:
-    rig = Rig()
+def test_a_slowed_robot_says_whose_commands_come_late(rig: Rig) -> None:
     rig.operator_age = 0.3
     rig.drive(0.6)
     state = rig.base.state()
@@ -185,23 +177,19 @@ def test_each_kind_of_staleness_is_named() -> None:
 
 
 @pytest.mark.parametrize(("linear", "angular"), [(0.3, 0.0), (-0.3, 0.0), (0.3, 0.5), (-0.3, -0.5), (1e-9, 1.0)])
-def test_nothing_drives_either_way_on_a_range_that_is_too_old(linear: float, angular: float) -> None:
+def test_nothing_drives_either_way_on_a_range_that_is_too_old(armed: Rig, linear: float, angular: float) -> None:
     """Though the operator and the guard are fresh."""
-    rig = Rig()
-    rig.arm()
     for age, drives in ((0.1, True), (0.5, False)):
-        rig.tilt(linear, angular)
-        rig.range_age = age
-        assert rig.run(1.0)[-1].moves is drives
-        rig.tilt(0.0)
-        rig.run(0.3)
+        armed.tilt(linear, angular)
+        armed.range_age = age
+        assert armed.run(1.0)[-1].moves is drives
+        armed.tilt(0.0)
+        armed.run(0.3)
 
 
-def test_an_operators_fault_is_named_by_itself_and_by_the_guards_reason_where_there_is_one() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    assert driven_by(rig, source="fault") == ((0, 0), "the operator's side reports a fault")
-    assert driven_by(rig, source="fault", reason="no sensor") == ((0, 0), "no sensor")
+def test_an_operators_fault_is_named_by_itself_and_by_the_guards_reason_where_there_is_one(driven: Rig) -> None:
+    assert driven_by(driven, source="fault") == ((0, 0), "the operator's side reports a fault")
+    assert driven_by(driven, source="fault", reason="no sensor") == ((0, 0), "no sensor")
 
 
 @given(
@@ -242,11 +230,9 @@ def test_a_budget_that_is_none_is_refused_by_name(field: str, value: float) -> N
         msgspec.structs.replace(CONFIG, **{field: value})
 
 
-def test_commands_are_compared_with_the_moment_they_are_used_and_not_with_their_arrival() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.guard_speaks = False
-    fresh: GuardedCommand = rig.command()
-    rig.say(fresh)
-    rig.robot_ns += 500_000_000
-    assert not rig.run(0.01)[-1].moves
+def test_commands_are_compared_with_the_moment_they_are_used_and_not_with_their_arrival(driven: Rig) -> None:
+    driven.guard_speaks = False
+    fresh: GuardedCommand = driven.command()
+    driven.say(fresh)
+    driven.robot_ns += 500_000_000
+    assert not driven.run(0.01)[-1].moves

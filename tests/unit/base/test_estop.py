@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_base.estop import RELEASED, EStopLatch
+from giraff_base.estop import EStopLatch
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.trouble import Trouble
@@ -24,44 +24,38 @@ def reset(rig: Rig, age: float = 0.0, id_error: int = 0) -> EStopAnswer:
     return rig.base.on_reset(EStopReset(by="carer", id=rig.base.latch.id + id_error, tick=tick), rig.now)
 
 
-def test_engaging_stops_with_the_next_frame_and_latches_the_board() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    answer = engage(rig)
-    assert (answer.done, answer.engaged, answer.id) == (True, True, rig.base.latch.id)
-    assert not rig.base.state().armed
-    assert not rig.base.state().driving
+def test_engaging_stops_with_the_next_frame_and_latches_the_board(driven: Rig) -> None:
+    answer = engage(driven)
+    assert (answer.done, answer.engaged, answer.id) == (True, True, driven.base.latch.id)
+    assert not driven.base.state().armed
+    assert not driven.base.state().driving
     # At once, though the newest report of the board has been answered with motion.
-    frame = rig.base.next_frame(rig.now)
+    frame = driven.base.next_frame(driven.now)
     assert isinstance(frame, EstopFrame)
     assert frame.engage == 1
-    rig.board.receive(frame)
-    assert rig.board.levels == (0, 0)
-    assert moving(rig.run(3.0)) == []
-    assert rig.base.state().board.latch == "estop"
+    driven.board.receive(frame)
+    assert driven.board.levels == (0, 0)
+    assert moving(driven.run(3.0)) == []
+    assert driven.base.state().board.latch == "estop"
 
 
-def test_all_frames_of_an_engaged_base_are_zero_whatever_the_board_says() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    engage(rig)
+def test_all_frames_of_an_engaged_base_are_zero_whatever_the_board_says(driven: Rig) -> None:
+    engage(driven)
     for latch, state in ((Latch.ESTOP, DriveState.LATCHED), (Latch.ESTOP, DriveState.ACTIVE)):
-        rig.board.latch, rig.board.drive_state = latch, state
-        rig.base.on_frames([rig.board.report()], rig.now)
-        frame = rig.base.next_frame(rig.now)
+        driven.board.latch, driven.board.drive_state = latch, state
+        driven.base.on_frames([driven.board.report()], driven.now)
+        frame = driven.base.next_frame(driven.now)
         assert isinstance(frame, DriveFrame)
         assert (frame.left_level, frame.right_level) == (0, 0)
 
 
-def test_the_order_to_latch_is_repeated_until_the_board_has_it() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.board.is_deaf = True
-    engage(rig)
-    assert all(isinstance(frame, EstopFrame) and frame.engage for frame in (rig.step() for _ in range(50)))
-    rig.board.is_deaf = False
-    rig.run(0.05)
-    assert rig.board.latch == Latch.ESTOP
+def test_the_order_to_latch_is_repeated_until_the_board_has_it(driven: Rig) -> None:
+    driven.board.is_deaf = True
+    engage(driven)
+    assert all(isinstance(frame, EstopFrame) and frame.engage for frame in (driven.step() for _ in range(50)))
+    driven.board.is_deaf = False
+    driven.run(0.05)
+    assert driven.board.latch == Latch.ESTOP
 
 
 @pytest.mark.parametrize("ignores", [True, False])
@@ -86,47 +80,40 @@ def test_base_that_starts_engaged_stays_so_and_says_by_whom() -> None:
     assert sample.reason.remedy == rig.base.state().reason.remedy == "to go on: giraff estop reset"
 
 
-def test_a_reset_permits_motion_and_never_causes_it() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    engage(rig)
-    rig.run(0.5)
-    answer = reset(rig)
+def test_a_reset_permits_motion_and_never_causes_it(driven: Rig) -> None:
+    engage(driven)
+    driven.run(0.5)
+    answer = reset(driven)
     assert (answer.done, answer.engaged, str(answer.reason)) == (True, False, "")
-    assert moving(rig.run(2.0)) == []
-    assert rig.board.latch == Latch.NONE
-    assert str(rig.base.state().reason) == "not armed since the emergency stop; hold the hand level for 0.2 s"
-    rig.drive(0.6)
+    assert moving(driven.run(2.0)) == []
+    assert driven.board.latch == Latch.NONE
+    assert str(driven.base.state().reason) == "not armed since the emergency stop; hold the hand level for 0.2 s"
+    driven.drive(0.6)
 
 
-def test_neutral_held_while_engaged_arms_nothing() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    engage(rig)
-    rig.tilt(0.0)
-    rig.run(2.0)
-    assert not rig.base.state().armed
-    reset(rig)
-    rig.tilt(0.6)
-    assert moving(rig.run(2.0)) == []
+def test_neutral_held_while_engaged_arms_nothing(driven: Rig) -> None:
+    engage(driven)
+    driven.tilt(0.0)
+    driven.run(2.0)
+    assert not driven.base.state().armed
+    reset(driven)
+    driven.tilt(0.6)
+    assert moving(driven.run(2.0)) == []
 
 
 @pytest.mark.parametrize(
     ("age", "is_done"), [(0.0, True), (0.999, True), (1.0, True), (1.001, False), (8.0, False), (-0.1, False)]
 )
-def test_a_reset_counts_only_while_it_is_fresh(age: float, is_done: bool) -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    engage(rig)
-    rig.run(1.5)
-    answer = reset(rig, age)
-    assert (answer.done, rig.base.latch.engaged, answer.engaged) == (is_done, not is_done, not is_done)
+def test_a_reset_counts_only_while_it_is_fresh(driven: Rig, age: float, is_done: bool) -> None:
+    engage(driven)
+    driven.run(1.5)
+    answer = reset(driven, age)
+    assert (answer.done, driven.base.latch.engaged, answer.engaged) == (is_done, not is_done, not is_done)
     assert ("1 s" in str(answer.reason)) != is_done
 
 
 @pytest.mark.parametrize("tick", [None, RobotTime(epoch=EPOCH + 1, robot_ns=0), RobotTime(epoch=0, robot_ns=0)])
-def test_a_reset_that_has_not_heard_base_clears_nothing(tick: RobotTime | None) -> None:
-    rig = Rig()
+def test_a_reset_that_has_not_heard_base_clears_nothing(rig: Rig, tick: RobotTime | None) -> None:
     engage(rig)
     if tick is not None:
         tick = msgspec.structs.replace(tick, robot_ns=rig.robot_ns)
@@ -136,33 +123,29 @@ def test_a_reset_that_has_not_heard_base_clears_nothing(tick: RobotTime | None) 
 
 
 @pytest.mark.parametrize("error", [-1, 1, 1000])
-def test_a_reset_of_another_latch_clears_nothing_and_is_told_of_the_one_there(error: int) -> None:
-    rig = Rig()
+def test_a_reset_of_another_latch_clears_nothing_and_is_told_of_the_one_there(rig: Rig, error: int) -> None:
     engage(rig)
     answer = reset(rig, id_error=error)
     assert (answer.done, answer.engaged, answer.id) == (False, True, rig.base.latch.id)
     assert f"latch {rig.base.latch.id} by keyboard" in str(answer.reason)
 
 
-def test_a_reset_replayed_8_s_late_clears_nothing_newer_and_nothing_moves() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    engage(rig)
-    rig.run(0.5)
-    replayed = EStopReset(by="carer", id=rig.base.latch.id, tick=rig.ago(0.1))
-    assert rig.base.on_reset(replayed, rig.now).done
-    rig.run(0.5)
-    engage(rig)
-    rig.run(8.0)
-    assert not rig.base.on_reset(replayed, rig.now).done
+def test_a_reset_replayed_8_s_late_clears_nothing_newer_and_nothing_moves(driven: Rig) -> None:
+    engage(driven)
+    driven.run(0.5)
+    replayed = EStopReset(by="carer", id=driven.base.latch.id, tick=driven.ago(0.1))
+    assert driven.base.on_reset(replayed, driven.now).done
+    driven.run(0.5)
+    engage(driven)
+    driven.run(8.0)
+    assert not driven.base.on_reset(replayed, driven.now).done
     # Not even under the number of the newer one.
-    assert not rig.base.on_reset(msgspec.structs.replace(replayed, id=rig.base.latch.id), rig.now).done
-    assert rig.base.latch.engaged
-    assert moving(rig.run(1.0)) == []
+    assert not driven.base.on_reset(msgspec.structs.replace(replayed, id=driven.base.latch.id), driven.now).done
+    assert driven.base.latch.engaged
+    assert moving(driven.run(1.0)) == []
 
 
-def test_repeating_a_reset_or_an_engaging_that_was_done_changes_nothing() -> None:
-    rig = Rig()
+def test_repeating_a_reset_or_an_engaging_that_was_done_changes_nothing(rig: Rig) -> None:
     first, again = engage(rig), engage(rig)
     assert first == again
     request = EStopReset(by="carer", id=first.id, tick=rig.now)
@@ -174,8 +157,7 @@ def test_repeating_a_reset_or_an_engaging_that_was_done_changes_nothing() -> Non
     assert rig.run(0.1)[-1].moves
 
 
-def test_a_reset_from_before_the_newest_engaging_clears_nothing_even_of_the_same_latch() -> None:
-    rig = Rig()
+def test_a_reset_from_before_the_newest_engaging_clears_nothing_even_of_the_same_latch(rig: Rig) -> None:
     engage(rig)
     rig.run(0.5)
     pressed = EStopReset(by="carer", id=rig.base.latch.id, tick=rig.now)
@@ -189,8 +171,7 @@ def test_a_reset_from_before_the_newest_engaging_clears_nothing_even_of_the_same
     assert reset(rig).done
 
 
-def test_a_stop_that_was_asked_for_again_since_it_was_seen_is_not_cleared_though_the_wish_is_newer() -> None:
-    rig = Rig()
+def test_a_stop_that_was_asked_for_again_since_it_was_seen_is_not_cleared_though_the_wish_is_newer(rig: Rig) -> None:
     engage(rig)
     seen = rig.base.estop()
     rig.run(1.0)
@@ -205,8 +186,7 @@ def test_a_stop_that_was_asked_for_again_since_it_was_seen_is_not_cleared_though
     assert rig.base.on_reset(newest, rig.now).done
 
 
-def test_each_cause_is_a_latch_of_its_own_that_a_reset_of_the_one_before_leaves() -> None:
-    rig = Rig()
+def test_each_cause_is_a_latch_of_its_own_that_a_reset_of_the_one_before_leaves(rig: Rig) -> None:
     first = engage(rig)
     assert engage(rig, by="giraff estop").id != first.id
     answer = rig.base.on_reset(EStopReset(by="carer", id=first.id, tick=rig.ago(0.1)), rig.now)
@@ -217,8 +197,7 @@ def test_each_cause_is_a_latch_of_its_own_that_a_reset_of_the_one_before_leaves(
     assert engage(rig).id not in (first.id, first.id + 1)
 
 
-def test_what_others_write_into_the_latch_is_cut() -> None:
-    rig = Rig()
+def test_what_others_write_into_the_latch_is_cut(rig: Rig) -> None:
     engage(rig, by="x" * 1_000_000, reason="y" * 1_000_000)
     assert len(rig.base.latch.by) == 200
     assert len(str(rig.base.latch.reason)) < 300
@@ -229,8 +208,7 @@ ODD = "a\x1b[2Jb\nc\x9bd\u202ee\udcc3"
 PLAIN = "a?[2Jb?c?d?e?"
 
 
-def test_what_others_write_into_the_latch_steers_no_terminal() -> None:
-    rig = Rig()
+def test_what_others_write_into_the_latch_steers_no_terminal(rig: Rig) -> None:
     engage(rig, by=ODD, reason=ODD)
     told = rig.base.estop()
     assert (told.by, str(told.reason)) == (PLAIN, f"{PLAIN}; to go on: giraff estop reset")
@@ -249,53 +227,46 @@ def test_what_others_write_into_the_latch_steers_no_terminal() -> None:
         (Latch.RIGHT_OPPOSITE, ("right wheel turned against", "giraff check wheels")),
     ],
 )
-def test_a_latch_of_the_board_becomes_bases_own(latch: Latch, words: tuple[str, ...]) -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.board.engage(latch)
-    assert moving(rig.run(2.0)) == []
-    state = rig.base.state()
+def test_a_latch_of_the_board_becomes_bases_own(driven: Rig, latch: Latch, words: tuple[str, ...]) -> None:
+    driven.board.engage(latch)
+    assert moving(driven.run(2.0)) == []
+    state = driven.base.state()
     assert not state.armed
     assert state.board.latch == latch.name.lower()
-    assert rig.base.latch.engaged
-    assert rig.base.latch.by == "the base board"
+    assert driven.base.latch.engaged
+    assert driven.base.latch.by == "the base board"
     assert all(word in str(state.reason) for word in words)
     assert state.reason.remedy.endswith("then giraff estop reset")
-    assert rig.board.latch == latch  # base does not paint it over with its own
-    assert reset(rig).done
-    rig.run(0.1)
-    assert rig.board.latch == Latch.NONE
-    rig.drive(0.6)
+    assert driven.board.latch == latch  # base does not paint it over with its own
+    assert reset(driven).done
+    driven.run(0.1)
+    assert driven.board.latch == Latch.NONE
+    driven.drive(0.6)
 
 
-def test_a_latch_that_no_header_knows_stops_too() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.base.on_frames(
-        [msgspec.structs.replace(rig.board.report(), latch=77, drive_state=88, last_refusal=99)], rig.now
+def test_a_latch_that_no_header_knows_stops_too(driven: Rig) -> None:
+    driven.base.on_frames(
+        [msgspec.structs.replace(driven.board.report(), latch=77, drive_state=88, last_refusal=99)], driven.now
     )
-    assert rig.base.latch.engaged
-    assert rig.base.state().board.latch == "unknown 77"
-    assert rig.base.state().board.last_refusal == "unknown 99"
+    assert driven.base.latch.engaged
+    assert driven.base.state().board.latch == "unknown 77"
+    assert driven.base.state().board.last_refusal == "unknown 99"
 
 
-def test_a_board_that_latches_again_after_its_release_stops_again() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.board.engage(Latch.LEFT_STUCK)
-    rig.run(0.1)
-    first = rig.base.latch.id
-    reset(rig)
-    rig.run(0.1)
-    assert rig.board.latch == Latch.NONE
-    rig.board.engage(Latch.LEFT_STUCK)
-    rig.run(0.1)
-    assert rig.base.latch.engaged
-    assert rig.base.latch.id != first
+def test_a_board_that_latches_again_after_its_release_stops_again(driven: Rig) -> None:
+    driven.board.engage(Latch.LEFT_STUCK)
+    driven.run(0.1)
+    first = driven.base.latch.id
+    reset(driven)
+    driven.run(0.1)
+    assert driven.board.latch == Latch.NONE
+    driven.board.engage(Latch.LEFT_STUCK)
+    driven.run(0.1)
+    assert driven.base.latch.engaged
+    assert driven.base.latch.id != first
 
 
-def test_a_release_is_repeated_until_the_board_has_it_and_then_never() -> None:
-    rig = Rig()
+def test_a_release_is_repeated_until_the_board_has_it_and_then_never(rig: Rig) -> None:
     engage(rig)
     rig.run(0.2)
     rig.board.is_deaf = True
@@ -310,8 +281,7 @@ def test_a_release_is_repeated_until_the_board_has_it_and_then_never() -> None:
 
 
 @pytest.mark.parametrize("break_off", ["open", "lose", "reboot"])
-def test_a_release_is_of_the_board_there_was_when_it_was_asked_for(break_off: str) -> None:
-    rig = Rig()
+def test_a_release_is_of_the_board_there_was_when_it_was_asked_for(rig: Rig, break_off: str) -> None:
     engage(rig)
     rig.run(0.2)
     rig.connected = False
@@ -329,8 +299,7 @@ def test_a_release_is_of_the_board_there_was_when_it_was_asked_for(break_off: st
     assert rig.base.latch.engaged
 
 
-def test_without_a_board_engaging_and_resetting_work() -> None:
-    rig = Rig()
+def test_without_a_board_engaging_and_resetting_work(rig: Rig) -> None:
     rig.connected = False
     rig.base.on_link_lost(Trouble("the port is gone", "plug it in"))
     engage(rig)
@@ -340,8 +309,7 @@ def test_without_a_board_engaging_and_resetting_work() -> None:
     assert str(rig.base.state().reason) == "the port is gone; plug it in"
 
 
-def test_an_engaging_takes_back_a_release_under_way() -> None:
-    rig = Rig()
+def test_an_engaging_takes_back_a_release_under_way(rig: Rig) -> None:
     engage(rig)
     rig.run(0.2)
     rig.board.is_deaf = True
@@ -353,9 +321,3 @@ def test_an_engaging_takes_back_a_release_under_way() -> None:
     assert not any(isinstance(frame, EstopFrame) for frame in frames)  # it never was released
     assert rig.board.latch == Latch.ESTOP
     assert rig.base.latch.engaged
-
-
-def test_a_released_latch_is_what_a_new_robot_needs() -> None:
-    rig = Rig(latch=RELEASED)
-    rig.drive(0.6)
-    assert rig.base.latch == RELEASED

@@ -95,6 +95,20 @@ class Office:
         return asked
 
 
+@pytest.fixture
+def office() -> Office:
+    return Office()
+
+
+@pytest.fixture
+def stopped(office: Office) -> Office:
+    """Its stop is confirmed and on disk."""
+    first = office.engage()
+    office.go_on()
+    assert first.only.done
+    return office
+
+
 def test_at_its_start_base_writes_what_is_in_force_and_so_finds_a_bad_disk() -> None:
     assert Office().disk.writes == 1
     office = Office()
@@ -106,8 +120,7 @@ def test_at_its_start_base_writes_what_is_in_force_and_so_finds_a_bad_disk() -> 
     assert "No space left" in str(bad.fault)
 
 
-def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_on_it() -> None:
-    office = Office()
+def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_on_it(office: Office) -> None:
     office.rig.drive(0.6)
     office.disk.hangs, office.disk.touched = True, False
     asked = office.engage()
@@ -125,8 +138,7 @@ def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_o
     assert office.desk.fault == WELL
 
 
-def test_base_tells_who_stops_it_that_its_board_is_not_reached() -> None:
-    office = Office()
+def test_base_tells_who_stops_it_that_its_board_is_not_reached(office: Office) -> None:
     office.rig.base.on_link_lost(Trouble("no such port"))
     asked = office.engage()
     office.desk.turn(office.rig.now)
@@ -135,44 +147,35 @@ def test_base_tells_who_stops_it_that_its_board_is_not_reached() -> None:
     assert (asked.only.done, asked.only.board_reached) == (True, False)
 
 
-def test_the_same_stop_again_while_its_release_is_being_written_waits_for_what_becomes_of_that() -> None:
-    office = Office()
-    first = office.engage()
-    office.go_on()
-    assert first.only.done
-    reset = office.reset()
-    office.desk.turn(office.rig.now)  # the released latch is on its way to the disk
-    again = office.engage()
-    office.desk.turn(office.rig.now)
+def test_the_same_stop_again_while_its_release_is_being_written_waits_for_what_becomes_of_that(stopped: Office) -> None:
+    reset = stopped.reset()
+    stopped.desk.turn(stopped.rig.now)  # the released latch is on its way to the disk
+    again = stopped.engage()
+    stopped.desk.turn(stopped.rig.now)
     assert not reset.only.done
     assert again.answers == []
-    office.disk.work()
-    assert not office.disk.content.engaged
-    office.desk.turn(office.rig.now)
+    stopped.disk.work()
+    assert not stopped.disk.content.engaged
+    stopped.desk.turn(stopped.rig.now)
     assert again.answers == []
-    office.go_on()
+    stopped.go_on()
     assert again.only.done
-    assert office.disk.content == office.rig.base.latch
-    assert office.disk.content.engaged
+    assert stopped.disk.content == stopped.rig.base.latch
+    assert stopped.disk.content.engaged
 
 
-def test_the_same_stop_again_is_written_again_since_a_second_base_may_have_written_a_release() -> None:
-    office = Office()
-    first = office.engage()
-    office.go_on()
-    assert first.only.done
-    office.disk.content = RELEASED
-    again = office.engage()
-    office.desk.turn(office.rig.now)
+def test_the_same_stop_again_is_written_again_since_a_second_base_may_have_written_a_release(stopped: Office) -> None:
+    stopped.disk.content = RELEASED
+    again = stopped.engage()
+    stopped.desk.turn(stopped.rig.now)
     assert again.answers == []
-    office.go_on()
+    stopped.go_on()
     assert again.only.done
-    assert office.disk.content == office.rig.base.latch
-    assert office.disk.content.engaged
+    assert stopped.disk.content == stopped.rig.base.latch
+    assert stopped.disk.content.engaged
 
 
-def test_a_full_disk_keeps_the_robot_stopped_says_so_and_is_tried_again() -> None:
-    office = Office()
+def test_a_full_disk_keeps_the_robot_stopped_says_so_and_is_tried_again(office: Office) -> None:
     office.rig.drive(0.6)
     office.disk.trouble = FULL
     asked = office.engage()
@@ -187,9 +190,8 @@ def test_a_full_disk_keeps_the_robot_stopped_says_so_and_is_tried_again() -> Non
     assert 40 <= office.disk.writes - writes <= 50
 
 
-def test_a_stop_is_on_a_disk_that_works_again_whether_or_not_anybody_asks_again() -> None:
+def test_a_stop_is_on_a_disk_that_works_again_whether_or_not_anybody_asks_again(office: Office) -> None:
     """Who asked may be cut off, and the robot may lose its power in the next second."""
-    office = Office()
     office.disk.trouble = FULL
     office.engage()
     office.go_on(2.3)
@@ -200,8 +202,7 @@ def test_a_stop_is_on_a_disk_that_works_again_whether_or_not_anybody_asks_again(
     assert office.desk.fault == WELL
 
 
-def test_asking_again_on_a_mended_disk_is_confirmed_at_once() -> None:
-    office = Office()
+def test_asking_again_on_a_mended_disk_is_confirmed_at_once(office: Office) -> None:
     office.disk.trouble = FULL
     office.engage()
     office.go_on()
@@ -211,61 +212,51 @@ def test_asking_again_on_a_mended_disk_is_confirmed_at_once() -> None:
     assert again.only.done
 
 
-def test_a_reset_is_on_disk_before_it_permits_anything() -> None:
-    office = Office()
-    office.engage()
-    office.go_on()
-    office.disk.hangs = True
-    asked = office.reset()
-    office.go_on(0.5)
+def test_a_reset_is_on_disk_before_it_permits_anything(stopped: Office) -> None:
+    stopped.disk.hangs = True
+    asked = stopped.reset()
+    stopped.go_on(0.5)
     assert asked.answers == []
-    assert office.rig.base.latch.engaged
-    assert office.rig.board.latch == Latch.ESTOP
-    office.disk.hangs = False
-    office.go_on()
+    assert stopped.rig.base.latch.engaged
+    assert stopped.rig.board.latch == Latch.ESTOP
+    stopped.disk.hangs = False
+    stopped.go_on()
     assert (asked.only.done, asked.only.engaged) == (True, False)
-    assert office.disk.content == office.rig.base.latch
-    assert not office.disk.content.engaged
-    office.rig.drive(0.6)
+    assert stopped.disk.content == stopped.rig.base.latch
+    assert not stopped.disk.content.engaged
+    stopped.rig.drive(0.6)
 
 
-def test_a_reset_that_cannot_be_written_leaves_the_robot_stopped_for_good() -> None:
-    office = Office()
-    office.engage()
-    office.go_on()
-    office.disk.trouble = FULL
-    asked = office.reset()
-    office.go_on()
+def test_a_reset_that_cannot_be_written_leaves_the_robot_stopped_for_good(stopped: Office) -> None:
+    stopped.disk.trouble = FULL
+    asked = stopped.reset()
+    stopped.go_on()
     assert (asked.only.done, asked.only.engaged) == (False, True)
     assert FULL in str(asked.only.reason)
-    office.disk.trouble = ""
-    office.go_on(5.0)
-    assert office.rig.base.latch.engaged
-    assert office.disk.content == office.rig.base.latch
-    again = office.reset()
-    office.go_on()
+    stopped.disk.trouble = ""
+    stopped.go_on(5.0)
+    assert stopped.rig.base.latch.engaged
+    assert stopped.disk.content == stopped.rig.base.latch
+    again = stopped.reset()
+    stopped.go_on()
     assert again.only.done
 
 
-def test_a_reset_that_the_disk_is_too_slow_for_is_given_up() -> None:
-    office = Office()
-    office.engage()
-    office.go_on()
-    office.disk.hangs = True
-    asked = office.reset()
-    office.go_on(1.1)
+def test_a_reset_that_the_disk_is_too_slow_for_is_given_up(stopped: Office) -> None:
+    stopped.disk.hangs = True
+    asked = stopped.reset()
+    stopped.go_on(1.1)
     assert not asked.only.done
     assert "hangs" in str(asked.only.reason)
-    assert "hangs" in str(office.desk.fault)
-    office.disk.hangs = False
-    office.go_on(1.0)
-    assert office.rig.base.latch.engaged
-    assert office.disk.content == office.rig.base.latch
-    assert office.desk.fault == WELL
+    assert "hangs" in str(stopped.desk.fault)
+    stopped.disk.hangs = False
+    stopped.go_on(1.0)
+    assert stopped.rig.base.latch.engaged
+    assert stopped.disk.content == stopped.rig.base.latch
+    assert stopped.desk.fault == WELL
 
 
-def test_a_reset_that_is_refused_by_the_time_it_is_on_disk_is_answered_so_and_written_back() -> None:
-    office = Office()
+def test_a_reset_that_is_refused_by_the_time_it_is_on_disk_is_answered_so_and_written_back(office: Office) -> None:
     for volts in (19.0, 24.0):
         office.rig.board.battery_adc_counts = round(volts / DRIVE.battery_volts_per_count)
         office.go_on(5.5)
@@ -281,8 +272,7 @@ def test_a_reset_that_is_refused_by_the_time_it_is_on_disk_is_answered_so_and_wr
     assert office.disk.content == office.rig.base.latch
 
 
-def test_a_disk_that_hangs_stops_no_frames_and_is_told_to_who_asked() -> None:
-    office = Office()
+def test_a_disk_that_hangs_stops_no_frames_and_is_told_to_who_asked(office: Office) -> None:
     office.rig.drive(0.6)
     office.disk.hangs = True
     asked = office.engage()
@@ -296,41 +286,34 @@ def test_a_disk_that_hangs_stops_no_frames_and_is_told_to_who_asked() -> None:
 
 
 @pytest.mark.parametrize("order", ["before the disk", "after the disk"])
-def test_an_engaging_takes_back_a_reset_that_is_being_written(order: str) -> None:
-    office = Office()
-    office.engage()
-    office.go_on()
-    office.disk.hangs = True
-    reset = office.reset()
-    office.go_on(0.1)
+def test_an_engaging_takes_back_a_reset_that_is_being_written(stopped: Office, order: str) -> None:
+    stopped.disk.hangs = True
+    reset = stopped.reset()
+    stopped.go_on(0.1)
     if order == "after the disk":
-        office.disk.hangs = False
-        office.disk.work()
-    engage = office.engage()
+        stopped.disk.hangs = False
+        stopped.disk.work()
+    engage = stopped.engage()
     assert not reset.only.done
     assert "engaged anew" in str(reset.only.reason)
-    office.disk.hangs = False
-    office.go_on(0.1)
+    stopped.disk.hangs = False
+    stopped.go_on(0.1)
     assert engage.only.done
-    assert office.rig.base.latch.engaged
-    assert office.disk.content == office.rig.base.latch
+    assert stopped.rig.base.latch.engaged
+    assert stopped.disk.content == stopped.rig.base.latch
 
 
-def test_of_two_who_ask_in_one_turn_who_stops_wins() -> None:
-    office = Office()
-    office.engage()
-    office.go_on()
-    reset = Asked(EStopReset(by="carer", id=office.rig.base.latch.id, tick=office.rig.ago(0.1)))
+def test_of_two_who_ask_in_one_turn_who_stops_wins(stopped: Office) -> None:
+    reset = Asked(EStopReset(by="carer", id=stopped.rig.base.latch.id, tick=stopped.rig.ago(0.1)))
     engage = Asked(EStopEngage(by="keyboard", reason=Trouble("space bar")))
-    office.desk.take([engage], [reset], office.rig.now)
-    office.go_on(0.1)
+    stopped.desk.take([engage], [reset], stopped.rig.now)
+    stopped.go_on(0.1)
     assert not reset.only.done
     assert engage.only.done
-    assert office.rig.base.latch.engaged
+    assert stopped.rig.base.latch.engaged
 
 
-def test_repeated_requests_are_all_answered() -> None:
-    office = Office()
+def test_repeated_requests_are_all_answered(office: Office) -> None:
     engages = [office.engage() for _ in range(3)]
     office.go_on()
     assert all(each.only.done for each in engages)
@@ -342,19 +325,15 @@ def test_repeated_requests_are_all_answered() -> None:
     assert late.only.done  # it is released, as asked; nothing was cleared
 
 
-def test_a_reset_that_proves_nothing_is_refused_at_once_and_writes_nothing() -> None:
-    office = Office()
-    office.engage()
-    office.go_on()
-    writes = office.disk.writes
-    late = office.reset(age=8.0)
+def test_a_reset_that_proves_nothing_is_refused_at_once_and_writes_nothing(stopped: Office) -> None:
+    writes = stopped.disk.writes
+    late = stopped.reset(age=8.0)
     assert not late.only.done
-    office.go_on(0.1)
-    assert office.disk.writes == writes
+    stopped.go_on(0.1)
+    assert stopped.disk.writes == writes
 
 
-def test_a_reset_ends_the_wait_of_those_who_engaged() -> None:
-    office = Office()
+def test_a_reset_ends_the_wait_of_those_who_engaged(office: Office) -> None:
     office.disk.hangs = True
     engage = office.engage()
     office.go_on()
@@ -365,8 +344,7 @@ def test_a_reset_ends_the_wait_of_those_who_engaged() -> None:
     assert reset.only.done
 
 
-def test_a_latch_of_the_board_is_kept_too() -> None:
-    office = Office()
+def test_a_latch_of_the_board_is_kept_too(office: Office) -> None:
     office.rig.drive(0.6)
     office.rig.board.engage(Latch.RIGHT_STUCK)
     office.go_on()

@@ -11,26 +11,21 @@ from giraff_schemas.messages import RobotTime
 from tests.unit.base.rig import EPOCH, Rig, moving
 
 
-def test_another_lease_of_the_same_operator_disarms() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.lease_counter = 6
-    assert moving(rig.run(2.0)[2:]) == []
-    assert str(rig.base.state().reason).startswith("not armed since a new lease")
-    rig.drive(0.6)
+def test_another_lease_of_the_same_operator_disarms(driven: Rig) -> None:
+    driven.lease_counter = 6
+    assert moving(driven.run(2.0)[2:]) == []
+    assert str(driven.base.state().reason).startswith("not armed since a new lease")
+    driven.drive(0.6)
 
 
-def test_a_lease_that_was_away_for_a_moment_disarms() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.lease_counter = 0
-    rig.run(0.02)
-    rig.lease_counter = 5
-    assert moving(rig.run(2.0)[2:]) == []
+def test_a_lease_that_was_away_for_a_moment_disarms(driven: Rig) -> None:
+    driven.lease_counter = 0
+    driven.run(0.02)
+    driven.lease_counter = 5
+    assert moving(driven.run(2.0)[2:]) == []
 
 
-def test_nobodys_command_never_arms_and_never_drives() -> None:
-    rig = Rig()
+def test_nobodys_command_never_arms_and_never_drives(rig: Rig) -> None:
     rig.lease_counter = 0
     rig.run(2.0)
     assert not rig.base.state().armed
@@ -39,12 +34,10 @@ def test_nobodys_command_never_arms_and_never_drives() -> None:
     assert moving(rig.run(2.0)) == []
 
 
-def test_nobodys_command_stops_a_robot_that_drives_and_the_guard_says_why() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.lease_counter, rig.reason = 0, "nobody drives the robot; tilt to ask"
-    assert not rig.run(0.03)[-1].moves
-    assert str(rig.base.state().reason) == str(rig.reason)
+def test_nobodys_command_stops_a_robot_that_drives_and_the_guard_says_why(driven: Rig) -> None:
+    driven.lease_counter, driven.reason = 0, "nobody drives the robot; tilt to ask"
+    assert not driven.run(0.03)[-1].moves
+    assert str(driven.base.state().reason) == str(driven.reason)
 
 
 def hold(rig: Rig, moments_ms: list[float]) -> bool:

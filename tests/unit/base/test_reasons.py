@@ -95,20 +95,17 @@ PAIRS = [(first, second) for n, first in enumerate(CAUSES) for second in CAUSES[
     ("first", "second"), PAIRS, ids=[f"{first[0].__name__}-{second[0].__name__}" for first, second in PAIRS]
 )
 def test_of_two_causes_the_first_is_named(
-    first: tuple[Callable[[Rig], None], str], second: tuple[Callable[[Rig], None], str]
+    driven: Rig, first: tuple[Callable[[Rig], None], str], second: tuple[Callable[[Rig], None], str]
 ) -> None:
-    rig = Rig()
-    rig.drive(0.6)
     causes = [second[0]] if first is second else [second[0], first[0]]
     for cause in sorted(causes, key=lambda each: each is not empty_battery):  # only a board that works measures it
-        cause(rig)
-    rig.run(0.02)
-    assert first[1] in str(rig.base.state().reason)
-    assert not rig.base.state().driving
+        cause(driven)
+    driven.run(0.02)
+    assert first[1] in str(driven.base.state().reason)
+    assert not driven.base.state().driving
 
 
-def test_a_robot_that_is_not_armed_says_so_before_what_the_guard_says() -> None:
-    rig = Rig()
+def test_a_robot_that_is_not_armed_says_so_before_what_the_guard_says(rig: Rig) -> None:
     rig.tilt(0.6)
     rig.reason = "forward blocked"
     rig.run(1.0)
@@ -142,25 +139,21 @@ def test_a_latch_of_the_board_is_named_before_unchecked_wiring() -> None:
     assert "left wheel stuck" in str(rig.base.state().reason)
 
 
-def test_driving_is_that_a_wheel_is_asked_to_turn() -> None:
-    rig = Rig()
-    rig.arm()
-    rig.tilt(0.003)  # less than half a level
-    rig.run(1.0)
-    assert rig.sent[-1].levels == (0, 0)
-    assert not rig.base.state().driving
-    rig.tilt(0.006)
-    rig.run(1.0)
-    assert rig.base.state().driving
+def test_driving_is_that_a_wheel_is_asked_to_turn(armed: Rig) -> None:
+    armed.tilt(0.003)  # less than half a level
+    armed.run(1.0)
+    assert armed.sent[-1].levels == (0, 0)
+    assert not armed.base.state().driving
+    armed.tilt(0.006)
+    armed.run(1.0)
+    assert armed.base.state().driving
 
 
-def test_a_rotation_that_relies_on_no_range_passes_while_the_ranger_is_dead() -> None:
-    rig = Rig()
-    rig.drive(0.6)
+def test_a_rotation_that_relies_on_no_range_passes_while_the_ranger_is_dead(driven: Rig) -> None:
     # Forward and left are asked, the ranger is dead: the guard passes the rotation alone, which relies on no range.
-    rig.tilt(0.0, 0.35)
-    rig.reason = "forward blocked: no reading; turn"
-    sent = rig.run(3.0)
+    driven.tilt(0.0, 0.35)
+    driven.reason = "forward blocked: no reading; turn"
+    sent = driven.run(3.0)
     assert sent[-1].levels == (-10, 10)
     assert sent[-1].state.driving
-    assert str(sent[-1].state.reason) == str(rig.reason)
+    assert str(sent[-1].state.reason) == str(driven.reason)

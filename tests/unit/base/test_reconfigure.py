@@ -13,8 +13,7 @@ def tightened(rig: Rig, **changes: float) -> None:
     rig.live.replace(msgspec.structs.replace(CONFIG, **changes))
 
 
-def test_a_hand_must_be_held_level_for_the_new_time() -> None:
-    rig = Rig()
+def test_a_hand_must_be_held_level_for_the_new_time(rig: Rig) -> None:
     tightened(rig, arm_time=1.0)
     rig.operator_age = 0.0
     rig.run(0.02)
@@ -25,50 +24,41 @@ def test_a_hand_must_be_held_level_for_the_new_time() -> None:
     assert rig.robot_ns - first_neutral == 1_000_000_000
 
 
-def test_a_hand_that_held_level_for_the_old_time_only_does_not_arm() -> None:
-    rig = Rig()
+def test_a_hand_that_held_level_for_the_old_time_only_does_not_arm(rig: Rig) -> None:
     rig.run(0.15)
     tightened(rig, arm_time=1.0)
     rig.run(0.5)
     assert not rig.base.state().armed
 
 
-def test_an_operators_command_older_than_the_new_budget_does_not_drive() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    rig.operator_age = 0.15
-    assert rig.run(0.5)[-1].moves
-    tightened(rig, operator_budget=0.1)
-    assert not rig.run(0.05)[-1].moves
+def test_an_operators_command_older_than_the_new_budget_does_not_drive(driven: Rig) -> None:
+    driven.operator_age = 0.15
+    assert driven.run(0.5)[-1].moves
+    tightened(driven, operator_budget=0.1)
+    assert not driven.run(0.05)[-1].moves
 
 
-def test_a_guards_command_older_than_the_new_budget_is_not_admitted() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    tightened(rig, guard_budget=0.05)
-    rig.guard_age = 0.06
-    rig.run(0.1)
-    sent = rig.run(0.1)
+def test_a_guards_command_older_than_the_new_budget_is_not_admitted(driven: Rig) -> None:
+    tightened(driven, guard_budget=0.05)
+    driven.guard_age = 0.06
+    driven.run(0.1)
+    sent = driven.run(0.1)
     assert not any(each.moves for each in sent)
     assert "guard's command is too old" in str(sent[-1].state.reason)
 
 
-def test_a_battery_below_the_new_limits_slows_and_stops() -> None:
-    rig = Rig()
-    rig.drive(0.6)
-    volts = rig.board.battery_adc_counts * DRIVE.battery_volts_per_count
-    tightened(rig, battery_low=volts + 1.0)
-    assert rig.run(6.0)[-1].levels == (35, 35)
-    tightened(rig, battery_low=volts + 1.0, battery_cutoff=volts + 0.5)
-    assert not rig.run(6.0)[-1].moves
+def test_a_battery_below_the_new_limits_slows_and_stops(driven: Rig) -> None:
+    volts = driven.board.battery_adc_counts * DRIVE.battery_volts_per_count
+    tightened(driven, battery_low=volts + 1.0)
+    assert driven.run(6.0)[-1].levels == (35, 35)
+    tightened(driven, battery_low=volts + 1.0, battery_cutoff=volts + 0.5)
+    assert not driven.run(6.0)[-1].moves
 
 
 @pytest.mark.parametrize(("linear", "angular"), [(0.6, 0.0), (0.0, 1.5)])
-def test_a_start_keeps_to_the_new_acceleration(linear: float, angular: float) -> None:
-    rig = Rig()
-    rig.arm()
-    tightened(rig, linear_acceleration=0.06, angular_acceleration=0.15)
-    rig.tilt(linear, angular)
-    sent = rig.run(1.0)
+def test_a_start_keeps_to_the_new_acceleration(armed: Rig, linear: float, angular: float) -> None:
+    tightened(armed, linear_acceleration=0.06, angular_acceleration=0.15)
+    armed.tilt(linear, angular)
+    sent = armed.run(1.0)
     assert sent[-1].moves
     assert abs(sent[-1].levels[1]) <= 8
