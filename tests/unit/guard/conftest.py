@@ -1,8 +1,10 @@
-"""Who speaks to the guard's authority, before and after somebody has asked for the lease."""
+"""Guards, their obstacles and their authority as many tests begin with them."""
 
 import pytest
 
 from tests.unit.guard.lease import Room
+from tests.unit.guard.rig import Rig
+from tests.unit.guard.senses import Senses, opened
 
 
 @pytest.fixture
@@ -17,3 +19,14 @@ def held() -> Room:
     room.say("A", 0)
     assert room.holder == "A"
     return room
+
+
+@pytest.fixture
+def rig() -> Rig:
+    return Rig()
+
+
+@pytest.fixture
+def senses() -> Senses:
+    """All ways have been heard to be free."""
+    return opened()

@@ -103,16 +103,6 @@ def test_another_operators_commands_do_not_count(held: Room) -> None:
         assert (held.holder, held.passes) == ("A", 0.1)
 
 
-def test_two_who_fight_do_not_share_the_robot(held: Room) -> None:
-    for _ in range(100):
-        held.wait(PERIOD)
-        held.say("B", 0, -0.5)
-        held.say("A", FIRST, 0.5)
-        held.say("B", FIRST, -0.5)
-        assert (held.holder, held.passes) == ("A", 0.5)
-    assert held.authority.counter == FIRST
-
-
 def test_a_second_process_of_the_same_name_is_refused_and_told(held: Room) -> None:
     held.say("A", FIRST, 0.5)
     held.say("A2", 0, -0.5, name="joystick")

@@ -49,8 +49,7 @@ def test_one_reading_opens_nothing_and_two_do(way: str, asked: float, sensors: t
 
 
 @each_way
-def test_far_is_free(way: str, asked: float, sensors: tuple[str, ...]) -> None:
-    senses = opened()
+def test_far_is_free(senses: Senses, way: str, asked: float, sensors: tuple[str, ...]) -> None:
     assert senses.verdict(way) == Verdict(allowed=0.6, freedom="free", sensor="")
     assert senses.passes(asked, 0.5) == (asked, 0.5)
     assert senses.limit(asked, 0.5).reason == WELL
@@ -76,15 +75,13 @@ def test_near_is_blocked_at_the_first_reading(way: str, asked: float, sensors: t
         ({"front_left": 0.3, "rear": 0.3}, "turn right"),
     ],
 )
-def test_the_way_out_is_where_there_is_room(near: dict[str, float], way_out: str) -> None:
-    senses = opened()
+def test_the_way_out_is_where_there_is_room(senses: Senses, near: dict[str, float], way_out: str) -> None:
     for sensor, distance in near.items():
         senses.hear(distance, sensor)
     assert senses.verdict().reason.remedy == way_out
 
 
-def test_the_way_out_of_a_blocked_rear_is_forward() -> None:
-    senses = opened()
+def test_the_way_out_of_a_blocked_rear_is_forward(senses: Senses) -> None:
     senses.hear(NEAR, "rear")
     assert senses.verdict("backward").reason.remedy == "turn or drive forward"
 
@@ -100,8 +97,7 @@ def test_a_faulty_sensor_blinds_its_way_only(way: str, asked: float, sensors: tu
 
 
 @each_way
-def test_a_sensor_that_flickers_opens_nothing(way: str, asked: float, sensors: tuple[str, ...]) -> None:
-    senses = opened()
+def test_a_sensor_that_flickers_opens_nothing(senses: Senses, way: str, asked: float, sensors: tuple[str, ...]) -> None:
     for _ in range(20):
         senses.wait(CYCLE / 2)
         senses.hear(None, sensors[0], fault="broken")
@@ -149,8 +145,7 @@ def test_a_reading_that_proves_no_age_blinds(way: str, asked: float, sensors: tu
     assert asked
 
 
-def test_a_reading_gets_old_while_nothing_comes() -> None:
-    senses = opened()
+def test_a_reading_gets_old_while_nothing_comes(senses: Senses) -> None:
     allowed = []
     for _ in range(25):
         senses.wait(0.02)
@@ -174,15 +169,13 @@ def test_a_sensor_that_the_robot_file_lacks_leaves_creep(way: str, asked: float,
     assert limited.range_tick is None
 
 
-def test_a_reading_of_a_sensor_that_the_robot_file_lacks_is_nobodys() -> None:
-    senses = opened()
+def test_a_reading_of_a_sensor_that_the_robot_file_lacks_is_nobodys(senses: Senses) -> None:
     senses.hear(NEAR, "mast")
     assert senses.verdict().freedom == "free"
 
 
 @pytest.mark.parametrize("distance", [0.42, 0.46, 0.5, 0.55])
-def test_in_between_the_speed_is_what_stops_before_the_margin(distance: float) -> None:
-    senses = opened()
+def test_in_between_the_speed_is_what_stops_before_the_margin(senses: Senses, distance: float) -> None:
     senses.hear(distance, age=0.05)
     senses.hear(distance, age=0.05)
     judged = senses.verdict()
@@ -221,8 +214,7 @@ def test_an_older_reading_allows_less() -> None:
     assert len(set(allowed)) == 4
 
 
-def test_the_nearest_of_two_sensors_limits() -> None:
-    senses = opened()
+def test_the_nearest_of_two_sensors_limits(senses: Senses) -> None:
     senses.hear(0.5, "front_left")
     senses.hear(0.45, "front_right")
     assert senses.verdict().sensor == "front_right"
@@ -260,8 +252,7 @@ def test_a_blocked_way_opens_again_only_beyond_the_release() -> None:
 
 
 @each_way
-def test_a_robot_faster_than_it_may_be_brakes(way: str, asked: float, sensors: tuple[str, ...]) -> None:
-    senses = opened()
+def test_a_robot_faster_than_it_may_be_brakes(senses: Senses, way: str, asked: float, sensors: tuple[str, ...]) -> None:
     senses.hear(0.5)
     senses.linear = asked
     senses.report()
@@ -274,17 +265,15 @@ def test_a_robot_faster_than_it_may_be_brakes(way: str, asked: float, sensors: t
     assert senses.allowed(way) > 0.0
 
 
-def test_what_was_commanded_counts_where_it_is_more_than_the_wheels_say() -> None:
-    senses = opened()
+def test_what_was_commanded_counts_where_it_is_more_than_the_wheels_say(senses: Senses) -> None:
     senses.asked = (0.6, 0.0)
     senses.wait(0.2)
     senses.hear(0.5)
     assert "braking" in str(senses.verdict().reason)
 
 
-def test_the_way_since_the_reading_counts() -> None:
+def test_the_way_since_the_reading_counts(senses: Senses) -> None:
     """At rest again after 0.12 m; the reading is the one from before."""
-    senses = opened()
     senses.cycle(0.5, cycles=4)
     assert senses.allowed() > 0.2
     senses.linear = 0.5
@@ -314,8 +303,7 @@ def test_a_reading_counts_from_where_the_robot_was_when_it_was_taken(
     assert allowed[1] < 0.25
 
 
-def test_turning_is_not_driving() -> None:
-    senses = opened()
+def test_turning_is_not_driving(senses: Senses) -> None:
     senses.angular = 1.5
     senses.report()
     senses.hear(0.5)

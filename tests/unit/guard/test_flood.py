@@ -25,8 +25,7 @@ def ask(rig: Rig, seconds: float, rates: dict[str, float]) -> set[str]:
 
 
 @pytest.mark.parametrize("flooder", ["joystick", "stranger"])
-def test_a_flood_is_told_by_who_makes_it(flooder: str) -> None:
-    rig = Rig()
+def test_a_flood_is_told_by_who_makes_it(rig: Rig, flooder: str) -> None:
     ask(rig, 3.5, {"joystick": 50, flooder: 2000})
     assert f"most of them from {flooder};" in str(rig.guard.flood)
 
@@ -45,22 +44,19 @@ def test_a_flooder_of_many_instances_or_names_is_not_taken_for_the_hand() -> Non
         assert ("under many" if many_names else "from stranger;") in str(rig.guard.flood)
 
 
-def test_hands_and_held_keys_are_none() -> None:
-    rig = Rig()
+def test_hands_and_held_keys_are_none(rig: Rig) -> None:
     assert ask(rig, 4.0, {"joystick": 50, "keyboard": 80, "script": 50}) == {""}
 
 
-def test_a_flood_that_has_ended_is_told_no_more() -> None:
-    rig = Rig()
+def test_a_flood_that_has_ended_is_told_no_more(rig: Rig) -> None:
     ask(rig, 3.5, {"stranger": 2000})
     assert rig.guard.flood
     ask(rig, 2.5, {"joystick": 50})
     assert rig.guard.flood == WELL
 
 
-def test_many_that_come_after_a_long_silence_are_none() -> None:
+def test_many_that_come_after_a_long_silence_are_none(rig: Rig) -> None:
     """A link that was cut hands over what it has held."""
-    rig = Rig()
     ask(rig, 1.5, {"joystick": 50})
     rig.wait(8.0)
     for _ in range(400):

@@ -17,8 +17,7 @@ def side(senses: Senses) -> str:
     return senses.obstacles.free_side(senses.now)
 
 
-def test_it_is_forward_where_both_are_free_and_none_where_neither_is() -> None:
-    senses = opened()
+def test_it_is_forward_where_both_are_free_and_none_where_neither_is(senses: Senses) -> None:
     assert side(senses) == "forward"
     senses.cycle({"front_left": CLOSE}, cycles=2)
     assert side(senses) == "backward"
@@ -39,8 +38,7 @@ def test_a_side_of_which_nothing_is_known_is_not_free() -> None:
     assert side(senses) == "none", "all ranges are old"
 
 
-def test_a_silence_that_is_not_proved_is_not_free() -> None:
-    senses = opened()
+def test_a_silence_that_is_not_proved_is_not_free(senses: Senses) -> None:
     senses.cycle(None, cycles=2)
     assert side(senses) == "forward"
     senses.cycle(None, cycles=round(CONFIG.proof_time / CYCLE) + 1)
@@ -48,8 +46,7 @@ def test_a_silence_that_is_not_proved_is_not_free() -> None:
     assert side(senses) == "none"
 
 
-def test_what_was_heard_until_lately_counts() -> None:
-    senses = opened()
+def test_what_was_heard_until_lately_counts(senses: Senses) -> None:
     senses.cycle({"front_left": CLOSE, "front_right": CLOSE}, cycles=3)
     senses.cycle({"front_left": None, "front_right": None}, cycles=2)
     assert side(senses) == "backward"
@@ -68,8 +65,7 @@ def test_more_room_can_be_asked_for() -> None:
     assert side(opened(ROBOT, msgspec.structs.replace(CONFIG, sit_room=2.9))) == "none"
 
 
-def test_the_guard_tells_it_with_each_command_and_not_where_two_guards_speak() -> None:
-    rig = Rig()
+def test_the_guard_tells_it_with_each_command_and_not_where_two_guards_speak(rig: Rig) -> None:
     rig.look()
     assert rig.decide()[0].free_side == "forward"
     rig.hear(ranger="ranger-2")

@@ -24,8 +24,7 @@ def test_before_any_tick_nothing_passes() -> None:
     assert state.forward.freedom == "blocked"
 
 
-def test_before_any_operator_nothing_passes() -> None:
-    rig = Rig()
+def test_before_any_operator_nothing_passes(rig: Rig) -> None:
     rig.hear(FAR)
     command, state = rig.decide()
     assert command.neutral
@@ -35,8 +34,7 @@ def test_before_any_operator_nothing_passes() -> None:
     assert state.operator == ""
 
 
-def test_a_fresh_command_passes_with_all_that_base_judges_it_by() -> None:
-    rig = Rig()
+def test_a_fresh_command_passes_with_all_that_base_judges_it_by(rig: Rig) -> None:
     rig.look()
     rig.hear(FAR)
     asked = rig.ask(0.5, -0.4)
@@ -49,8 +47,7 @@ def test_a_fresh_command_passes_with_all_that_base_judges_it_by() -> None:
     assert (state.operator, str(state.reason)) == (OPERATOR, "")
 
 
-def test_the_guards_moment_is_the_newest_tick_and_not_now() -> None:
-    rig = Rig()
+def test_the_guards_moment_is_the_newest_tick_and_not_now(rig: Rig) -> None:
     heard = rig.robot_ns
     rig.pause(0.3)
     rig.ask(0.0)
@@ -60,15 +57,13 @@ def test_the_guards_moment_is_the_newest_tick_and_not_now() -> None:
 @pytest.mark.parametrize(
     ("linear", "angular", "neutral"), [(0.0, 0.0, True), (0.1, 0.0, False), (0.0, 0.1, False), (-0.0, 0.0, True)]
 )
-def test_a_neutral_hand_is_told_by_what_it_asks(linear: float, angular: float, neutral: bool) -> None:
-    rig = Rig()
+def test_a_neutral_hand_is_told_by_what_it_asks(rig: Rig, linear: float, angular: float, neutral: bool) -> None:
     rig.hear(FAR)
     rig.ask(linear, angular)
     assert rig.decide()[0].hand_neutral is neutral
 
 
-def test_a_command_that_was_cut_to_zero_is_no_neutral_hand() -> None:
-    rig = Rig()
+def test_a_command_that_was_cut_to_zero_is_no_neutral_hand(rig: Rig) -> None:
     rig.hear(NEAR)
     rig.ask(0.6)
     command, _ = rig.decide()
@@ -77,8 +72,7 @@ def test_a_command_that_was_cut_to_zero_is_no_neutral_hand() -> None:
 
 
 @pytest.mark.parametrize(("age", "passes"), [(0.0, True), (0.4, True), (0.4 + 1e-9, False), (5.0, False)])
-def test_a_command_counts_to_the_edge_of_its_budget(age: float, passes: bool) -> None:
-    rig = Rig()
+def test_a_command_counts_to_the_edge_of_its_budget(rig: Rig, age: float, passes: bool) -> None:
     rig.look()
     rig.hear(FAR)
     rig.ask(0.5, 0.2, age=age)
@@ -92,8 +86,7 @@ def test_a_command_counts_to_the_edge_of_its_budget(age: float, passes: bool) ->
 
 
 @pytest.mark.parametrize("age", [0.0, 0.5])
-def test_a_stale_neutral_hand_is_none(age: float) -> None:
-    rig = Rig()
+def test_a_stale_neutral_hand_is_none(rig: Rig, age: float) -> None:
     rig.hear(FAR)
     rig.ask(0.0, age=age)
     assert rig.decide()[0].hand_neutral is (age == 0.0)
@@ -104,8 +97,7 @@ def test_a_stale_neutral_hand_is_none(age: float) -> None:
     [RobotTime(epoch=EPOCH + 1, robot_ns=5), RobotTime(epoch=0, robot_ns=5), RobotTime(epoch=EPOCH, robot_ns=1 << 62)],
     ids=["other epoch", "nobody's", "ahead"],
 )
-def test_a_command_of_no_known_age_does_not_pass(tick: RobotTime) -> None:
-    rig = Rig()
+def test_a_command_of_no_known_age_does_not_pass(rig: Rig, tick: RobotTime) -> None:
     rig.hear(FAR)
     rig.ask(0.5, tick=tick)
     command, _ = rig.decide()
@@ -113,8 +105,7 @@ def test_a_command_of_no_known_age_does_not_pass(tick: RobotTime) -> None:
     assert "no moment of this robot's clock" in str(command.reason)
 
 
-def test_a_command_gets_old_while_nothing_comes() -> None:
-    rig = Rig()
+def test_a_command_gets_old_while_nothing_comes(rig: Rig) -> None:
     rig.ask(0.0, 1.0, age=0.0)
     passed = []
     for _ in range(50):
@@ -123,8 +114,7 @@ def test_a_command_gets_old_while_nothing_comes() -> None:
     assert passed == [1.0] * 40 + [0.0] * 10
 
 
-def test_a_new_epoch_makes_all_that_was_heard_worthless() -> None:
-    rig = Rig()
+def test_a_new_epoch_makes_all_that_was_heard_worthless(rig: Rig) -> None:
     rig.hear(FAR)
     rig.ask(0.5, 0.5)
     rig.pause(0.51)
@@ -138,8 +128,7 @@ def test_a_new_epoch_makes_all_that_was_heard_worthless() -> None:
         assert "has not been heard yet" in str(state.forward.reason)
 
 
-def test_base_falling_silent_stops_the_robot_and_is_told() -> None:
-    rig = Rig()
+def test_base_falling_silent_stops_the_robot_and_is_told(rig: Rig) -> None:
     rig.hear(FAR)
     rig.ask(0.5)
     rig.pause(0.51)
@@ -150,8 +139,7 @@ def test_base_falling_silent_stops_the_robot_and_is_told() -> None:
     assert "start giraff_base" in str(command.reason)
 
 
-def test_an_operators_fault_stops_and_is_told() -> None:
-    rig = Rig()
+def test_an_operators_fault_stops_and_is_told(rig: Rig) -> None:
     rig.hear(FAR)
     rig.ask(0.5, 0.5, source="fault", reason="the sensor is not running; check its plug")
     command, state = rig.decide()
@@ -164,8 +152,7 @@ def test_an_operators_fault_stops_and_is_told() -> None:
     assert not rig.decide()[0].hand_neutral
 
 
-def test_only_the_holder_of_the_lease_is_obeyed() -> None:
-    rig = Rig()
+def test_only_the_holder_of_the_lease_is_obeyed(rig: Rig) -> None:
     for _ in range(100):
         rig.ask(0.0, 0.5)
         for counter in (ASK, FIRST_LEASE):
@@ -178,8 +165,7 @@ def test_only_the_holder_of_the_lease_is_obeyed() -> None:
         rig.wait(0.02)
 
 
-def test_a_grant_by_itself_moves_nothing_and_arms_nothing() -> None:
-    rig = Rig()
+def test_a_grant_by_itself_moves_nothing_and_arms_nothing(rig: Rig) -> None:
     rig.hear(FAR)
     rig.ask(0.5, counter=ASK)
     command, _ = rig.decide()
@@ -188,8 +174,7 @@ def test_a_grant_by_itself_moves_nothing_and_arms_nothing() -> None:
     assert (command.operator_tick, command.source, command.hand_neutral) == (None, "fault", False)
 
 
-def test_a_lease_that_ended_is_nobodys() -> None:
-    rig = Rig()
+def test_a_lease_that_ended_is_nobodys(rig: Rig) -> None:
     rig.hear(FAR)
     rig.ask(0.5)
     rig.wait(1.0 + 1e-9)
@@ -219,8 +204,7 @@ def test_a_hand_over_has_another_lease_and_begins_neutral() -> None:
 
 
 @pytest.mark.parametrize("seq", [9, 10, 0])
-def test_an_older_or_repeated_command_is_ignored(seq: int) -> None:
-    rig = Rig()
+def test_an_older_or_repeated_command_is_ignored(rig: Rig, seq: int) -> None:
     rig.ask(0.0, 0.5, seq=10)
     rig.ask(0.0, -0.5, seq=seq)
     assert rig.decide()[0].angular_z == 0.5
@@ -236,8 +220,7 @@ def test_an_operator_that_asks_before_base_is_heard_is_not_in_charge() -> None:
     assert rig.decide()[0].operator == "operator-2"
 
 
-def test_a_second_base_stops_the_robot_and_is_named_while_both_speak() -> None:
-    rig = Rig()
+def test_a_second_base_stops_the_robot_and_is_named_while_both_speak(rig: Rig) -> None:
     for _ in range(50):
         rig.wait(0.02)
         rig.hear(FAR)
@@ -257,8 +240,7 @@ def test_a_second_base_stops_the_robot_and_is_named_while_both_speak() -> None:
     assert rig.guard.fault == WELL
 
 
-def test_a_fault_that_no_command_shows_is_counted() -> None:
-    rig = Rig()
+def test_a_fault_that_no_command_shows_is_counted(rig: Rig) -> None:
     rig.ask(0.5)
     assert rig.decide()[0].faults == 0
     rig.ask(0.0, source="fault", reason="shaken")
@@ -271,8 +253,7 @@ def test_a_fault_that_no_command_shows_is_counted() -> None:
         assert (command.source, command.faults) == ("fault", 2)
 
 
-def test_a_second_ranger_stops_the_robot_and_is_named_while_both_speak() -> None:
-    rig = Rig()
+def test_a_second_ranger_stops_the_robot_and_is_named_while_both_speak(rig: Rig) -> None:
     for _ in range(20):
         rig.wait(0.18)
         rig.hear(FAR, ranger="ranger-1")
@@ -287,8 +268,7 @@ def test_a_second_ranger_stops_the_robot_and_is_named_while_both_speak() -> None
     assert rig.decide()[1].forward.freedom == "free"
 
 
-def test_a_restarted_ranger_is_listened_to_and_has_the_robot_armed_anew() -> None:
-    rig = Rig()
+def test_a_restarted_ranger_is_listened_to_and_has_the_robot_armed_anew(rig: Rig) -> None:
     rig.look(ranger="ranger-1")
     rig.wait(0.6)
     rig.hear(FAR, ranger="ranger-2")
@@ -301,8 +281,7 @@ def test_a_restarted_ranger_is_listened_to_and_has_the_robot_armed_anew() -> Non
     assert rig.decide()[0].linear_x == 0.5
 
 
-def test_only_readings_and_wheels_of_those_it_is_bound_to_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:
-    rig = Rig()
+def test_only_readings_and_wheels_of_those_it_is_bound_to_are_judged(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     rig.hear(FAR)
     judged: list[Range | Wheels] = []
 
@@ -323,8 +302,7 @@ def test_only_readings_and_wheels_of_those_it_is_bound_to_are_judged(monkeypatch
     assert [type(sample) for sample in judged] == [Range, Wheels]
 
 
-def test_an_older_reading_does_not_replace_a_newer_one() -> None:
-    rig = Rig()
+def test_an_older_reading_does_not_replace_a_newer_one(rig: Rig) -> None:
     rig.look()
     rig.hear(NEAR, seq=1010)
     rig.hear(FAR, seq=1009)

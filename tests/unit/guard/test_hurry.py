@@ -30,8 +30,7 @@ def test_a_fault_of_who_drives_cannot_wait() -> None:
     assert rig.hurries
 
 
-def test_who_is_given_the_lease_need_not_wait_to_hear_of_it() -> None:
-    rig = Rig()
+def test_who_is_given_the_lease_need_not_wait_to_hear_of_it(rig: Rig) -> None:
     rig.look()
     rig.ask(0.0, operator="operator-2", counter=ASK, age=0.0)
     assert rig.hurries
@@ -83,8 +82,7 @@ def test_a_reading_that_takes_nothing_away_can_wait() -> None:
     assert not rig.hurries
 
 
-def test_a_reading_before_a_robot_that_is_not_asked_to_move_can_wait() -> None:
-    rig = Rig()
+def test_a_reading_before_a_robot_that_is_not_asked_to_move_can_wait(rig: Rig) -> None:
     rig.look()
     rig.ask(0.0)
     rig.decide()

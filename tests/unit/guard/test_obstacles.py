@@ -27,9 +27,8 @@ from tests.unit.guard.senses import CYCLE, FAR, NEAR, Senses, opened
     ],
 )
 def test_what_the_robot_cannot_do_is_scaled_and_named(
-    linear: float, angular: float, passed: tuple[float, float]
+    senses: Senses, linear: float, angular: float, passed: tuple[float, float]
 ) -> None:
-    senses = opened()
     assert senses.passes(linear, angular) == pytest.approx(passed)
     reason = str(senses.limit(linear, angular).reason)
     assert (reason == "") is ((linear, angular) == passed)
@@ -37,8 +36,7 @@ def test_what_the_robot_cannot_do_is_scaled_and_named(
 
 
 @pytest.mark.parametrize("angular", [1.5, 0.36, 0.35, 0.2, 0.0, -0.2, -1.5])
-def test_rotation_passes_slowly_where_the_way_ahead_is_blocked(angular: float) -> None:
-    senses = opened()
+def test_rotation_passes_slowly_where_the_way_ahead_is_blocked(senses: Senses, angular: float) -> None:
     senses.hear(NEAR)
     linear, passed = senses.passes(0.6, angular)
     assert linear == 0.0
@@ -58,8 +56,7 @@ def test_the_ranges_moment_is_the_oldest_that_the_motion_relies_on(linear: float
     assert limited.range_tick == (None if expected is None else senses.ago(expected))
 
 
-def test_a_sensor_that_was_never_heard_is_relied_on_since_the_beginning_of_time() -> None:
-    senses = opened()
+def test_a_sensor_that_was_never_heard_is_relied_on_since_the_beginning_of_time(senses: Senses) -> None:
     senses.obstacles.forget()
     senses.wait(CYCLE)
     senses.hear(FAR, "front_left")
@@ -76,9 +73,8 @@ def test_before_anything_is_judged_nothing_passes() -> None:
     assert limited.reason
 
 
-def test_a_reading_counts_from_the_turn_after_it() -> None:
+def test_a_reading_counts_from_the_turn_after_it(senses: Senses) -> None:
     """A short reading is at zero in the turn that takes it."""
-    senses = opened()
     senses.asked = (0.6, 0.0)
     senses.wait(0.1)
     senses.hear(NEAR, "front_right")

@@ -103,9 +103,8 @@ def test_it_is_not_alone_where_something_came_nearer_to_it(sensor: str) -> None:
     assert alone(sensor, before=0.5) == 0.0
 
 
-def test_it_is_not_alone_where_it_was_heard_a_second_ago() -> None:
+def test_it_is_not_alone_where_it_was_heard_a_second_ago(senses: Senses) -> None:
     """True, wild, true, wild: what was there is there."""
-    senses = opened()
     senses.cycle({"front_left": NEAR})
     senses.cycle({"front_left": FAR})
     for _ in range(5):
@@ -122,8 +121,7 @@ def test_without_a_neighbour_it_takes_two_of_its_own() -> None:
         assert senses.allowed() == pytest.approx(expected)
 
 
-def test_a_neighbour_that_was_heard_before_it_is_no_witness() -> None:
-    senses = opened()
+def test_a_neighbour_that_was_heard_before_it_is_no_witness(senses: Senses) -> None:
     senses.hear(FAR, "front_right")
     senses.wait(0.02)
     senses.hear(NEAR, "front_left")
@@ -132,9 +130,8 @@ def test_a_neighbour_that_was_heard_before_it_is_no_witness() -> None:
     assert senses.allowed() == 0.0
 
 
-def test_a_person_who_walks_away_is_followed() -> None:
+def test_a_person_who_walks_away_is_followed(senses: Senses) -> None:
     """At walking speed each reading follows from the one before: no echo is lost, and nothing stays blocked."""
-    senses = opened()
     distance = 0.06
     senses.cycle(dict.fromkeys(FRONT, distance), cycles=3)
     assert senses.allowed() == 0.0
@@ -186,8 +183,7 @@ def test_turning_away_frees_it(side: float) -> None:
     assert senses.allowed() > 0.0
 
 
-def test_one_wild_reading_that_near_is_not_lost() -> None:
-    senses = opened()
+def test_one_wild_reading_that_near_is_not_lost(senses: Senses) -> None:
     senses.cycle({"front_left": 0.05})
     senses.cycle(cycles=3)
     assert senses.allowed() > 0.0

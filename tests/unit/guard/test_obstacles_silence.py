@@ -61,16 +61,14 @@ def test_a_turn_counts_as_way(speed: float) -> None:
     fades({2.2: 0.0, 3.2: 0.5, 4.4: 1.0}, 0.06, 0.0, speed)
 
 
-def test_turning_there_and_back_counts_twice() -> None:
-    senses = opened()
+def test_turning_there_and_back_counts_twice(senses: Senses) -> None:
     for speed in (1.0, -1.0):
         senses.angular = speed
         senses.cycle(None, cycles=12)
     assert senses.allowed() == pytest.approx(SLOW)
 
 
-def test_where_the_wheels_are_not_heard_what_was_passed_on_counts() -> None:
-    senses = opened()
+def test_where_the_wheels_are_not_heard_what_was_passed_on_counts(senses: Senses) -> None:
     senses.asked = (0.1, 0.0)
     for _ in range(50):
         senses.wait(CYCLE, wheels=False)
@@ -84,8 +82,7 @@ def test_where_the_wheels_are_not_heard_what_was_passed_on_counts() -> None:
 
 
 @pytest.mark.parametrize("sensor", FRONT)
-def test_each_sensor_of_a_way_has_to_prove_itself(sensor: str) -> None:
-    senses = opened()
+def test_each_sensor_of_a_way_has_to_prove_itself(senses: Senses, sensor: str) -> None:
     senses.cycle({sensor: None}, cycles=round(21.0 / CYCLE))
     judged = senses.verdict()
     assert judged.sensor == sensor
@@ -188,8 +185,7 @@ def test_while_every_sensor_of_its_way_hears_something_it_does_not_count() -> No
     assert senses.verdict().freedom == "free"
 
 
-def test_one_silent_sensor_is_enough_whoever_heard_it() -> None:
-    senses = opened()
+def test_one_silent_sensor_is_enough_whoever_heard_it(senses: Senses) -> None:
     senses.cycle({"front_left": NEAR}, cycles=3)
     senses.cycle({"front_right": None}, cycles=8)
     judged = senses.verdict()
@@ -231,8 +227,7 @@ def test_what_a_sensor_that_flickers_has_heard_is_held_as_well(lost: int) -> Non
     assert "until lately" in str(senses.verdict().reason)
 
 
-def test_one_echo_is_not_held() -> None:
-    senses = opened()
+def test_one_echo_is_not_held(senses: Senses) -> None:
     senses.cycle(None, cycles=2)
     senses.cycle(dict.fromkeys(FRONT, NEAR))
     senses.cycle(None, cycles=8)

@@ -31,8 +31,7 @@ def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
 
 
 @pytest.mark.parametrize("bounded_by", ["its own table", "[guard]"])
-def test_silence_of_a_proven_sensor_counts_for_its_reach(bounded_by: str) -> None:
-    senses = opened()
+def test_silence_of_a_proven_sensor_counts_for_its_reach(senses: Senses, bounded_by: str) -> None:
     senses.cycle(None, cycles=5)
     assert senses.verdict().freedom == "free"
     robot, config = ROBOT, msgspec.structs.replace(CONFIG, held_range=0.1)
@@ -54,8 +53,7 @@ def test_echoes_that_do_not_follow_from_each_other_prove_nothing() -> None:
     assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
 
 
-def test_a_new_epoch_voids_it_all() -> None:
-    senses = opened()
+def test_a_new_epoch_voids_it_all(senses: Senses) -> None:
     senses.obstacles.forget()
     assert senses.verdict().freedom == "blocked"
     assert "not been heard yet" in str(senses.verdict().reason)
@@ -63,8 +61,7 @@ def test_a_new_epoch_voids_it_all() -> None:
     assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
 
 
-def test_the_same_echo_again_and_again_while_the_robot_drives_is_frozen() -> None:
-    senses = opened()
+def test_the_same_echo_again_and_again_while_the_robot_drives_is_frozen(senses: Senses) -> None:
     senses.linear = 0.3
     senses.cycle(FAR, cycles=5)
     judged = senses.verdict()
@@ -77,8 +74,7 @@ def test_the_same_echo_again_and_again_while_the_robot_drives_is_frozen() -> Non
     assert senses.verdict("backward").freedom == "blocked"
 
 
-def test_it_is_trusted_again_when_it_changes() -> None:
-    senses = opened()
+def test_it_is_trusted_again_when_it_changes(senses: Senses) -> None:
     senses.linear = 0.3
     senses.cycle(FAR, cycles=5)
     senses.linear = 0.0
@@ -88,36 +84,31 @@ def test_it_is_trusted_again_when_it_changes() -> None:
     assert senses.verdict().freedom == "free"
 
 
-def test_at_rest_the_same_echo_is_right() -> None:
-    senses = opened()
+def test_at_rest_the_same_echo_is_right(senses: Senses) -> None:
     senses.cycle(FAR, cycles=100)
     assert senses.verdict().freedom == "free"
 
 
-def test_there_and_back_is_the_same_place() -> None:
-    senses = opened()
+def test_there_and_back_is_the_same_place(senses: Senses) -> None:
     for velocity in (0.3, -0.3) * 3:
         senses.linear = velocity
         senses.cycle(FAR, cycles=2)
     assert senses.troubles()["front_left"] == WELL
 
 
-def test_turning_does_not_freeze_it() -> None:
-    senses = opened()
+def test_turning_does_not_freeze_it(senses: Senses) -> None:
     senses.angular = 1.0
     senses.cycle(FAR, cycles=40)
     assert senses.troubles()["front_left"] == WELL
 
 
-def test_silence_does_not_freeze_it() -> None:
-    senses = opened()
+def test_silence_does_not_freeze_it(senses: Senses) -> None:
     senses.linear = 0.3
     senses.cycle(None, cycles=20)
     assert senses.verdict().freedom == "free"
 
 
-def test_a_wall_that_comes_nearer_as_the_robot_does_is_no_frozen_echo() -> None:
-    senses = opened()
+def test_a_wall_that_comes_nearer_as_the_robot_does_is_no_frozen_echo(senses: Senses) -> None:
     senses.linear = 0.3
     distance = FAR
     for _ in range(30):
@@ -162,8 +153,7 @@ def test_a_wall_so_slanted_that_it_is_heard_now_and_then_is_not_held_against_a_s
     assert held_against < 25
 
 
-def test_where_the_wheels_are_not_heard_no_sensor_is_called_frozen() -> None:
-    senses = opened()
+def test_where_the_wheels_are_not_heard_no_sensor_is_called_frozen(senses: Senses) -> None:
     senses.asked = (0.5, 0.0)
     for _ in range(10):
         senses.wait(CYCLE, wheels=False)
@@ -171,8 +161,7 @@ def test_where_the_wheels_are_not_heard_no_sensor_is_called_frozen() -> None:
     assert senses.troubles()["front_left"] == WELL
 
 
-def test_a_wrapped_counter_is_no_leap() -> None:
-    senses = opened()
+def test_a_wrapped_counter_is_no_leap(senses: Senses) -> None:
     senses._left = senses._right = (2**31 - 100) / senses.robot.ticks_per_metre
     senses.report(boot_id=2)
     breaks = senses.obstacles._motion.breaks
@@ -188,9 +177,8 @@ def test_a_wrapped_counter_is_no_leap() -> None:
 
 
 @pytest.mark.parametrize(("left", "right"), [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
-def test_a_leap_of_a_wheel_moves_nothing(left: float, right: float) -> None:
+def test_a_leap_of_a_wheel_moves_nothing(senses: Senses, left: float, right: float) -> None:
     """A metre in 20 ms, of either wheel or of both."""
-    senses = opened()
     at = senses.obstacles._motion.place
     senses._left += left
     senses._right += right
@@ -201,8 +189,7 @@ def test_a_leap_of_a_wheel_moves_nothing(left: float, right: float) -> None:
 
 
 @pytest.mark.parametrize(("linear", "angular"), [(0.5, 0.0), (-0.5, 0.0), (0.0, 1.0), (0.4, -0.8)])
-def test_between_two_reports_the_robot_goes_on_as_it_did(linear: float, angular: float) -> None:
-    senses = opened()
+def test_between_two_reports_the_robot_goes_on_as_it_did(senses: Senses, linear: float, angular: float) -> None:
     senses.linear, senses.angular = linear, angular
     senses.report()
     senses.robot_ns += 100_000_000
@@ -214,9 +201,8 @@ def test_between_two_reports_the_robot_goes_on_as_it_did(linear: float, angular:
     )
 
 
-def test_a_command_that_ended_still_drives_for_the_reaction_time() -> None:
+def test_a_command_that_ended_still_drives_for_the_reaction_time(senses: Senses) -> None:
     """Where the wheels are not heard; and where they are, one that has just begun does not drive yet."""
-    senses = opened()
     senses.asked = (0.4, 0.0)
     senses.wait(0.06)
     assert senses.obstacles._motion.speed(1.0) == 0.0
@@ -235,8 +221,7 @@ def test_a_command_that_ended_still_drives_for_the_reaction_time() -> None:
 
 
 @pytest.mark.parametrize("kind", ["boot", "leap"])
-def test_counters_that_cannot_be_followed_move_nothing(kind: str) -> None:
-    senses = opened()
+def test_counters_that_cannot_be_followed_move_nothing(senses: Senses, kind: str) -> None:
     at = senses.obstacles._motion.place
     senses._left += 30.0
     senses._right += 30.0
@@ -246,8 +231,7 @@ def test_counters_that_cannot_be_followed_move_nothing(kind: str) -> None:
     assert senses.obstacles._motion.breaks == 1
 
 
-def test_the_place_at_a_reading_is_found_between_two_reports() -> None:
-    senses = opened()
+def test_the_place_at_a_reading_is_found_between_two_reports(senses: Senses) -> None:
     began = senses.robot_ns
     senses.linear, senses.angular = 0.5, 1.5
     senses.wait(1.0)
@@ -270,8 +254,7 @@ def test_ahead_is_the_part_of_the_way_along_an_axis(heading: float, axis: float)
     assert here.ahead(beside, axis) == pytest.approx(0.5 * math.sin(axis))
 
 
-def test_without_wheels_what_is_passed_on_now_counts_as_driven() -> None:
-    senses = opened()
+def test_without_wheels_what_is_passed_on_now_counts_as_driven(senses: Senses) -> None:
     motion = senses.obstacles._motion
     senses.asked = (0.3, 0.0)
     for _ in range(4):
@@ -287,9 +270,8 @@ def test_without_wheels_what_is_passed_on_now_counts_as_driven() -> None:
     assert motion.place == stopped
 
 
-def test_wheels_that_are_heard_again_say_where_the_robot_is() -> None:
+def test_wheels_that_are_heard_again_say_where_the_robot_is(senses: Senses) -> None:
     """Meanwhile what was passed on counted as driven."""
-    senses = opened()
     senses.asked = (0.1, 0.0)
     senses.wait(1.0, wheels=False)
     assert not senses.obstacles._motion.heard
@@ -301,15 +283,13 @@ def test_wheels_that_are_heard_again_say_where_the_robot_is() -> None:
 
 
 @pytest.mark.parametrize("age", [-1.0, -1e-6])
-def test_a_report_from_the_future_moves_nothing(age: float) -> None:
-    senses = opened()
+def test_a_report_from_the_future_moves_nothing(senses: Senses, age: float) -> None:
     senses._left = senses._right = 0.01
     senses.report(age=age)
     assert senses.obstacles._motion.place.x == pytest.approx(0.0, abs=1e-9)
 
 
-def test_what_is_remembered_has_an_end() -> None:
-    senses = opened()
+def test_what_is_remembered_has_an_end(senses: Senses) -> None:
     choose = random.Random(4)
     for _ in range(2000):
         senses.hear(choose.uniform(0.02, 1.0), "front_left")

@@ -9,7 +9,7 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_guard.limits import Way
 from giraff_guard.ultrasonic.silence_trust import OwnEchoes, Ping
-from tests.unit.guard.senses import CONFIG, CYCLE, SIDES, opened
+from tests.unit.guard.senses import CONFIG, CYCLE, SIDES, Senses
 
 
 @pytest.mark.parametrize("way", SIDES)
@@ -27,9 +27,8 @@ from tests.unit.guard.senses import CONFIG, CYCLE, SIDES, opened
     ],
 )
 def test_only_echoes_that_follow_the_robots_motion_keep_a_trust(
-    speed: float, changes: float, is_own: bool, way: Way
+    senses: Senses, speed: float, changes: float, is_own: bool, way: Way
 ) -> None:
-    senses = opened()
     senses.linear = speed
     moved = speed * CYCLE * (1.0 if way == "forward" else -1.0)
     heard_at = 3.5 if moved * changes > 0.0 else 1.0

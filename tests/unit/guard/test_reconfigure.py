@@ -24,8 +24,7 @@ def test_a_larger_margin_blocks_either_way(way: str) -> None:
 
 
 @pytest.mark.parametrize("sensor", ROBOT.sensors)
-def test_a_reading_older_than_the_new_budget_blinds_whichever_sensor_it_is_of(sensor: str) -> None:
-    senses = opened()
+def test_a_reading_older_than_the_new_budget_blinds_whichever_sensor_it_is_of(senses: Senses, sensor: str) -> None:
     senses.wait(0.3)
     senses.hear(FAR, *(name for name in ROBOT.sensors if name != sensor))
     assert set(senses.troubles().values()) == {WELL}
@@ -35,16 +34,14 @@ def test_a_reading_older_than_the_new_budget_blinds_whichever_sensor_it_is_of(se
     assert set(sensors.values()) == {WELL}
 
 
-def test_a_shorter_way_makes_a_repeated_echo_frozen() -> None:
-    senses = opened()
+def test_a_shorter_way_makes_a_repeated_echo_frozen(senses: Senses) -> None:
     tightened(senses, frozen_travel=0.05)
     senses.linear = 0.3
     senses.cycle(FAR, cycles=2)
     assert all("frozen" in str(reason) for reason in senses.troubles().values())
 
 
-def test_wheels_older_than_the_new_budget_are_not_heard() -> None:
-    senses = opened()
+def test_wheels_older_than_the_new_budget_are_not_heard(senses: Senses) -> None:
     senses.robot_ns += 300_000_000
     senses.judge()
     assert senses.obstacles._motion.heard
@@ -53,8 +50,7 @@ def test_wheels_older_than_the_new_budget_are_not_heard() -> None:
     assert not senses.obstacles._motion.heard
 
 
-def test_a_larger_margin_around_what_is_remembered_brings_it_nearer() -> None:
-    senses = opened()
+def test_a_larger_margin_around_what_is_remembered_brings_it_nearer(senses: Senses) -> None:
     senses.cycle({"front_left": 0.5}, cycles=3)
     senses.linear = 0.3
     senses.cycle(None, cycles=4)
@@ -66,8 +62,7 @@ def test_a_larger_margin_around_what_is_remembered_brings_it_nearer() -> None:
     assert senses.allowed() < before
 
 
-def test_a_slower_creep_holds_for_turning_before_an_obstacle() -> None:
-    senses = opened()
+def test_a_slower_creep_holds_for_turning_before_an_obstacle(senses: Senses) -> None:
     senses.hear(0.3)
     assert senses.passes(0.6, 1.0) == (0.0, 0.35)
     tightened(senses, creep_angular=0.2)
@@ -108,16 +103,14 @@ def test_what_is_tightened_outlasts_a_new_epoch() -> None:
         assert senses.verdict(way).freedom == "blocked"
 
 
-def test_a_shorter_trust_in_silence() -> None:
-    senses = opened()
+def test_a_shorter_trust_in_silence(senses: Senses) -> None:
     senses.cycle(None, cycles=30)
     assert senses.verdict().freedom == "free"
     tightened(senses, proof_time=1.0, fade_time=3.0)
     assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
 
 
-def test_what_fell_silent_may_stand_farther_beside_its_spot() -> None:
-    senses = opened()
+def test_what_fell_silent_may_stand_farther_beside_its_spot(senses: Senses) -> None:
     senses.cycle({"front_left": 0.5}, cycles=3)
     senses.angular = -1.0
     senses.cycle(None, cycles=8)
