@@ -62,11 +62,20 @@ class Line:
                 break
         return self.result
 
+    @property
+    def end(self) -> MotionResult:
+        assert self.result is not None
+        return self.result
+
+    def ask(self) -> None:
+        """Ask once the robot is heard, and hear no answer."""
+        self.speaks = False
+        self.run(0.1)
+        assert self.it.ask(self.now, [Move(distance=1.0)]) is not None
+
     def begin(self) -> None:
         """Ask, and be told yes."""
-        self.speaks = False
-        self.run(0.05)
-        assert self.it.ask(self.now, [Move(distance=1.0)]) is not None
+        self.ask()
         self.it.on_answer(YES, self.now)
         self.speaks = True
 
@@ -113,9 +122,7 @@ def test_it_holds_on_25_times_a_second_once_it_is_accepted(line: Line) -> None:
 
 def test_nothing_is_held_before_it_is_accepted(line: Line) -> None:
     """So that nothing has moved where nobody is heard to have accepted it."""
-    line.speaks = False
-    line.run(0.1)
-    assert line.it.ask(line.now, [Move(distance=1.0)]) is not None
+    line.ask()
     line.it.on_fault("motion/go: not a MotionGo")
     result = line.run(ANSWERS_WITHIN + 0.1)
     assert line.holds == []
@@ -142,8 +149,7 @@ def test_a_tick_that_was_said_is_not_said_again(begun: Line) -> None:
     begun.holds.clear()
     begun.run(LINK_SILENCE + 0.1)
     assert len(begun.holds) <= 1
-    assert begun.result is not None
-    assert begun.result.outcome == "lost_robot"
+    assert begun.end.outcome == "lost_robot"
 
 
 @given(
@@ -193,36 +199,28 @@ def test_a_state_that_comes_late_takes_nothing_back(begun: Line) -> None:
     begun.it.on_state(said(motion_state(WISH, "ended", "arrived"), 9_000), begun.now)
     begun.it.on_state(said(motion_state(WISH), 8_999), begun.now)
     assert begun.run(0.1) is not None
-    assert begun.result is not None
-    assert begun.result.arrived
+    assert begun.end.arrived
 
 
 def test_a_refusal_is_its_end_and_nothing_has_moved(line: Line) -> None:
-    line.speaks = False
-    line.run(0.1)
-    line.it.ask(line.now, [Move(distance=1.0)])
+    line.ask()
     line.it.on_answer(MotionAnswer(accepted=False, reason=Trouble("held by joystick")), line.now)
     line.it.on_answer(YES, line.now)
     assert line.run(1.0) == MotionResult(outcome="refused", begun=False, reason="held by joystick")
 
 
 def test_where_nobody_answers_it_says_where_to_look(line: Line) -> None:
-    line.speaks = False
-    line.run(0.1)
-    line.it.ask(line.now, [Move(distance=1.0)])
+    line.ask()
     asked = line.now
     line.it.on_state(said(motion_state(4, "ended", "arrived"), 1), line.now)
     line.run(10.0)
     assert line.now - asked == pytest.approx(ANSWERS_WITHIN, abs=0.03)
-    assert line.result is not None
-    assert (line.result.outcome, line.result.begun) == ("unanswered", False)
-    assert "check that giraff_motion runs; on a secured network [network.access] says who may ask" in line.result.reason
+    assert (line.end.outcome, line.end.begun) == ("unanswered", False)
+    assert "check that giraff_motion runs; on a secured network [network.access] says who may ask" in line.end.reason
 
 
 def test_an_answer_that_is_lost_is_no_matter_where_the_motion_is_heard(line: Line) -> None:
-    line.speaks = False
-    line.run(0.1)
-    line.it.ask(line.now, [Move(distance=1.0)])
+    line.ask()
     line.speaks = True
     assert line.run(2.0 * ANSWERS_WITHIN) is None
     line.it.on_answer(MotionAnswer(accepted=False, reason=Trouble("it is too old")), line.now)
@@ -236,10 +234,9 @@ def test_a_motion_of_which_nothing_is_heard_for_a_second_is_given_up(begun: Line
     begun.speaks, since = False, begun.now
     begun.run(5.0)
     assert begun.now - since == pytest.approx(STATES_SILENCE - (0.0 if heard else 0.4), abs=0.12)
-    assert begun.result is not None
-    assert (begun.result.outcome, begun.result.begun) == ("unheard", True)
-    assert begun.result.achieved.path == (0.5 if heard else 0.0)
-    assert "giraff_motion is silent for 1 s" in begun.result.reason
+    assert (begun.end.outcome, begun.end.begun) == ("unheard", True)
+    assert begun.end.achieved.path == (0.5 if heard else 0.0)
+    assert "giraff_motion is silent for 1 s" in begun.end.reason
 
 
 def test_a_robot_that_is_lost_is_its_end(begun: Line) -> None:
@@ -247,9 +244,8 @@ def test_a_robot_that_is_lost_is_its_end(begun: Line) -> None:
     begun.ticks, since = False, begun.now
     begun.run(5.0)
     assert begun.now - since == pytest.approx(LINK_SILENCE, abs=0.04)
-    assert begun.result is not None
-    assert (begun.result.outcome, begun.result.begun) == ("lost_robot", True)
-    assert "no tick of the robot for 0.5 s" in begun.result.reason
+    assert (begun.end.outcome, begun.end.begun) == ("lost_robot", True)
+    assert "no tick of the robot for 0.5 s" in begun.end.reason
 
 
 def another_request(turn: int) -> MotionState:
@@ -298,8 +294,7 @@ def test_a_cancel_lets_go_at_once_and_waits_for_the_end(begun: Line) -> None:
     assert begun.holds == []
     begun.it.on_state(said(motion_state(WISH, "ended", "cancelled", reason="cancelled by ann"), 9_000), begun.now)
     assert begun.run(0.1) is not None
-    assert begun.result is not None
-    assert (begun.result.outcome, begun.result.reason) == ("cancelled", "cancelled by ann")
+    assert (begun.end.outcome, begun.end.reason) == ("cancelled", "cancelled by ann")
 
 
 @pytest.mark.parametrize("ticks", [True, False])
@@ -312,9 +307,8 @@ def test_a_cancel_of_which_nothing_is_heard_is_given_up(begun: Line, ticks: bool
     begun.it.cancel(begun.now)
     begun.run(10.0)
     assert begun.now - since == pytest.approx(ENDS_WITHIN, abs=0.03)
-    assert begun.result is not None
-    assert (begun.result.outcome, begun.result.begun) == ("unheard", True)
-    assert ("its end was not heard" if ticks else "no tick of the robot") in begun.result.reason
+    assert (begun.end.outcome, begun.end.begun) == ("unheard", True)
+    assert ("its end was not heard" if ticks else "no tick of the robot") in begun.end.reason
 
 
 def test_what_is_cancelled_before_it_has_begun_has_not_moved(line: Line) -> None:

@@ -215,32 +215,30 @@ def test_a_reader_that_does_not_read_costs_no_time_and_no_frame_is_torn(port: Fa
     assert (decoder.crc_errors, decoder.shape_errors) == (0, 0)
 
 
-def ranger_link(port: FakePort) -> BoardLink:
+@pytest.fixture
+def ranger(port: FakePort) -> Iterator[BoardLink]:
     link = BoardLink(str(port.link), RANGER_BOARD)
     assert link.poll(0.0) == []
-    return link
+    yield link
+    link.close()
 
 
-def test_nothing_is_believed_before_a_matching_hello(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_nothing_is_believed_before_a_matching_hello(port: FakePort, ranger: BoardLink) -> None:
     assert [type(frame) for frame in Decoder().feed(port.heard())] == [HelloRequestFrame]
     port.say(encode(PING.pack()))
-    assert link.poll(0.1) == []
-    assert "no reports from a ranger board" in str(link.fault)
+    assert ranger.poll(0.1) == []
+    assert "no reports from a ranger board" in str(ranger.fault)
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
-    assert link.poll(0.2) == [HELLO, PING]
-    assert link.fault == WELL
-    link.close()
+    assert ranger.poll(0.2) == [HELLO, PING]
+    assert ranger.fault == WELL
 
 
-def test_hello_is_asked_for_until_it_is_answered(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_hello_is_asked_for_until_it_is_answered(port: FakePort, ranger: BoardLink) -> None:
     for step in range(1, 60):
         port.say(b"\0")
-        link.poll(step * 0.05)
+        ranger.poll(step * 0.05)
     requests = [frame for frame in Decoder().feed(port.heard()) if isinstance(frame, HelloRequestFrame)]
     assert len(requests) >= 5
-    link.close()
 
 
 @pytest.mark.parametrize(
@@ -251,73 +249,63 @@ def test_hello_is_asked_for_until_it_is_answered(port: FakePort) -> None:
         (msgspec.structs.replace(HELLO, board=77), "a kind 77 board is there"),
     ],
 )
-def test_the_wrong_board_is_refused_and_named(port: FakePort, hello: HelloFrame, says: str) -> None:
-    link = ranger_link(port)
+def test_the_wrong_board_is_refused_and_named(port: FakePort, ranger: BoardLink, hello: HelloFrame, says: str) -> None:
     port.say(encode(hello.pack()) + encode(PING.pack()))
-    assert PING not in link.poll(0.1)
-    assert says in str(link.fault)
-    assert str(port.link) in str(link.fault)
-    link.close()
+    assert PING not in ranger.poll(0.1)
+    assert says in str(ranger.fault)
+    assert str(port.link) in str(ranger.fault)
 
 
-def test_a_board_that_changes_is_judged_anew(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_a_board_that_changes_is_judged_anew(port: FakePort, ranger: BoardLink) -> None:
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
-    assert PING in link.poll(0.1)
+    assert PING in ranger.poll(0.1)
     port.say(encode(msgspec.structs.replace(HELLO, protocol_hash=1).pack()) + encode(PING.pack()))
-    assert link.poll(0.2) == []
-    assert "reflash" in str(link.fault)
-    assert link.hello is None
+    assert ranger.poll(0.2) == []
+    assert "reflash" in str(ranger.fault)
+    assert ranger.hello is None
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
-    assert link.poll(0.3) == [HELLO, PING]
-    assert link.fault == WELL
-    link.close()
+    assert ranger.poll(0.3) == [HELLO, PING]
+    assert ranger.fault == WELL
 
 
-def test_what_was_said_of_a_board_ends_when_the_port_is_opened_again(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_what_was_said_of_a_board_ends_when_the_port_is_opened_again(port: FakePort, ranger: BoardLink) -> None:
     port.say(encode(msgspec.structs.replace(HELLO, board=BoardKind.BASE).pack()))
-    link.poll(0.1)
-    assert "a base board is there" in str(link.fault)
+    ranger.poll(0.1)
+    assert "a base board is there" in str(ranger.fault)
     port.unplug()
-    link.poll(0.2)
-    assert "unplugged" in str(link.fault)
+    ranger.poll(0.2)
+    assert "unplugged" in str(ranger.fault)
     port.plug()
-    link.poll(0.4)
-    assert "no reports from a ranger board yet" in str(link.fault)
-    assert link.hello is None
-    link.close()
+    ranger.poll(0.4)
+    assert "no reports from a ranger board yet" in str(ranger.fault)
+    assert ranger.hello is None
 
 
-def test_the_next_device_on_a_port_has_to_prove_itself_again(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_the_next_device_on_a_port_has_to_prove_itself_again(port: FakePort, ranger: BoardLink) -> None:
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
-    assert PING in link.poll(0.1)
+    assert PING in ranger.poll(0.1)
     port.unplug()
-    link.poll(0.2)
+    ranger.poll(0.2)
     port.plug()
-    link.poll(0.4)
+    ranger.poll(0.4)
     port.say(encode(PING.pack()))
-    assert link.poll(0.5) == []
-    assert "no reports" in str(link.fault)
-    link.close()
+    assert ranger.poll(0.5) == []
+    assert "no reports" in str(ranger.fault)
 
 
-def test_a_port_that_stays_silent_is_named_once_and_for_all(port: FakePort) -> None:
+def test_a_port_that_stays_silent_is_named_once_and_for_all(port: FakePort, ranger: BoardLink) -> None:
     """Else each opening would be two lines of log."""
-    link = ranger_link(port)
     said = []
     for step in range(1, 100):
-        link.poll(step * 0.05)
-        said.append(link.fault)
-    assert link.opened >= 4
+        ranger.poll(step * 0.05)
+        said.append(ranger.fault)
+    assert ranger.opened >= 4
     assert len(dict.fromkeys(said)) == 2
     assert "no reports" in str(said[0])
     assert "silent for 1 s" in str(said[-1])
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
-    link.poll(5.0)
-    assert link.fault == WELL
-    link.close()
+    ranger.poll(5.0)
+    assert ranger.fault == WELL
 
 
 STRANGE = "bytes/s that are not this board's frames; see whether it is another device"
@@ -327,57 +315,53 @@ STRANGE = "bytes/s that are not this board's frames; see whether it is another d
     ("noise", "told"),
     [(b"", "silent for 1 s"), (b"\xff" * 60, f"it sends 1200 {STRANGE}"), (encode(PING.pack())[:-4] + b"\0", STRANGE)],
 )
-def test_a_port_that_says_no_frame_is_told_by_what_comes(port: FakePort, noise: bytes, told: str) -> None:
-    link = ranger_link(port)
+def test_a_port_that_says_no_frame_is_told_by_what_comes(
+    port: FakePort, ranger: BoardLink, noise: bytes, told: str
+) -> None:
     for step in range(1, 30):
-        if link.descriptor() is not None:
+        if ranger.descriptor() is not None:
             port.say(noise)
-        link.poll(step * 0.05)
-    assert told in str(link.fault)
-    assert link.opened == 2
-    link.close()
+        ranger.poll(step * 0.05)
+    assert told in str(ranger.fault)
+    assert ranger.opened == 2
 
 
-def test_half_a_frame_of_the_earlier_life_does_not_spoil_the_first_of_the_next(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_half_a_frame_of_the_earlier_life_does_not_spoil_the_first_of_the_next(
+    port: FakePort, ranger: BoardLink
+) -> None:
     port.say(encode(HELLO.pack()) + encode(PING.pack())[:-5])
-    link.poll(0.1)
+    ranger.poll(0.1)
     port.unplug()
-    link.poll(0.2)
+    ranger.poll(0.2)
     port.plug()
-    link.poll(0.4)
+    ranger.poll(0.4)
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
-    assert link.poll(0.5) == [HELLO, PING]
-    assert link.line_errors == 0
-    link.close()
+    assert ranger.poll(0.5) == [HELLO, PING]
+    assert ranger.line_errors == 0
 
 
-def test_a_silent_port_is_opened_again(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_a_silent_port_is_opened_again(port: FakePort, ranger: BoardLink) -> None:
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
-    assert link.poll(0.1) != []
-    link.poll(0.1 + SILENCE / 2)
-    assert link.opened == 1
-    link.poll(0.2 + SILENCE)
-    assert "silent" in str(link.fault)
-    link.poll(0.4 + SILENCE)
-    assert link.opened == 2
-    link.close()
+    assert ranger.poll(0.1) != []
+    ranger.poll(0.1 + SILENCE / 2)
+    assert ranger.opened == 1
+    ranger.poll(0.2 + SILENCE)
+    assert "silent" in str(ranger.fault)
+    ranger.poll(0.4 + SILENCE)
+    assert ranger.opened == 2
 
 
-def test_noise_and_torn_frames_are_counted_and_survived(port: FakePort) -> None:
-    link = ranger_link(port)
+def test_noise_and_torn_frames_are_counted_and_survived(port: FakePort, ranger: BoardLink) -> None:
     port.say(encode(HELLO.pack()))
-    link.poll(0.01)
+    ranger.poll(0.01)
     noise = random.Random(3)
     good = 0
     for step in range(300):
         torn = encode(PING.pack())[: noise.randrange(8)]
         port.say(noise.randbytes(noise.randrange(60)) + torn + b"\0" + encode(PING.pack()))
-        good += link.poll(0.02 + step * 1e-3).count(PING)
+        good += ranger.poll(0.02 + step * 1e-3).count(PING)
     assert good == 300
-    assert link.line_errors > 100
-    link.close()
+    assert ranger.line_errors > 100
 
 
 def test_descriptors_are_not_leaked(port: FakePort) -> None:
