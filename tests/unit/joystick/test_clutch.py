@@ -39,6 +39,11 @@ def drives(commands: list[DriveCommand]) -> set[bool]:
     return {not command.neutral for command in commands}
 
 
+@pytest.fixture
+def hand() -> Held:
+    return Held()
+
+
 @pytest.mark.parametrize("config", [ANGLE, SOURCE], ids=["angle", "source"])
 def test_pressed_is_a_hands_neutral_at_once(config: JoystickConfig) -> None:
     hand = Held(config)
@@ -62,8 +67,7 @@ def test_let_go_the_attitude_is_the_new_zero(config: JoystickConfig, zero: float
     assert (forward.angular_z, backward.angular_z) == (0.0, 0.0)
 
 
-def test_nothing_moves_while_it_is_let_go_beside_the_zero() -> None:
-    hand = Held()
+def test_nothing_moves_while_it_is_let_go_beside_the_zero(hand: Held) -> None:
     hand.hold(0.5, 0.0)
     assert drives(hand.hold(1.0, 30.0, button=True) + hand.hold(1.0, 30.0)) == {False}
 
@@ -76,8 +80,7 @@ def assert_refused(commands: list[DriveCommand], word: str) -> None:
     assert "old zero" in str(after[-1].reason)
 
 
-def test_beyond_45_degrees_the_old_zero_stays_and_is_waited_for() -> None:
-    hand = Held()
+def test_beyond_45_degrees_the_old_zero_stays_and_is_waited_for(hand: Held) -> None:
     hand.hold(0.5, 47.0, button=True)
     assert_refused(hand.hold(1.0, 47.0), "45 degrees")
     assert_refused(hand.hold(0.5, 30.0), "45 degrees")  # which the old zero would drive at
@@ -85,8 +88,7 @@ def test_beyond_45_degrees_the_old_zero_stays_and_is_waited_for() -> None:
     assert drives(hand.hold(0.5, 30.0)) == {True}
 
 
-def test_a_hand_that_moves_sets_no_zero() -> None:
-    hand = Held()
+def test_a_hand_that_moves_sets_no_zero(hand: Held) -> None:
     hand.hold(0.3, 10.0, button=True)
     hand.hold(0.1, 30.0, button=True)
     assert_refused(hand.hold(0.5, 30.0), "moved")
@@ -95,16 +97,14 @@ def test_a_hand_that_moves_sets_no_zero() -> None:
     assert {str(command.reason) for command in hand.hold(0.5, 30.0)} == {""}
 
 
-def test_one_that_was_hardly_read_sets_no_zero() -> None:
-    hand = Held()
+def test_one_that_was_hardly_read_sets_no_zero(hand: Held) -> None:
     hand.hold(0.06, 30.0, button=True)
     assert_refused(hand.hold(0.5, 30.0), "0.2 s")
 
 
 @pytest.mark.parametrize("equal", [4, 30])
-def test_a_frozen_sensor_sets_no_zero(equal: int) -> None:
+def test_a_frozen_sensor_sets_no_zero(hand: Held, equal: int) -> None:
     """Of the last equal readings three tell that the button is let go."""
-    hand = Held()
     hand.hold(0.5, 30.0, button=True)
     for count in range(equal):
         hand.now += 0.02
@@ -114,8 +114,7 @@ def test_a_frozen_sensor_sets_no_zero(equal: int) -> None:
     assert_refused(hand.hold(1.0, 30.0)[25:], "0.2 s")
 
 
-def test_a_bouncing_button_is_neutral_and_sets_no_zero() -> None:
-    hand = Held()
+def test_a_bouncing_button_is_neutral_and_sets_no_zero(hand: Held) -> None:
     hand.hold(0.5, 30.0)
     bounce = hand.hold(0.02, 30.0, button=True) + hand.hold(0.04, 30.0)
     assert drives(bounce) == {False}
@@ -123,8 +122,7 @@ def test_a_bouncing_button_is_neutral_and_sets_no_zero() -> None:
     assert hand.hold(0.1, 0.0)[-1].neutral  # the zero is where it was
 
 
-def test_a_contact_that_opens_for_a_reading_is_still_pressed() -> None:
-    hand = Held()
+def test_a_contact_that_opens_for_a_reading_is_still_pressed(hand: Held) -> None:
     hand.hold(0.5, 30.0, button=True)
     assert drives(hand.hold(0.04, 30.0)) == {False}
     hand.hold(0.3, 0.0, button=True)
@@ -132,23 +130,20 @@ def test_a_contact_that_opens_for_a_reading_is_still_pressed() -> None:
     assert drives(hand.hold(0.5, 30.0)) == {True}
 
 
-def test_a_contact_that_opens_twice_for_two_readings_is_still_pressed() -> None:
-    hand = Held()
+def test_a_contact_that_opens_twice_for_two_readings_is_still_pressed(hand: Held) -> None:
     hand.hold(0.5, 0.0, button=True)
     for _ in range(3):
         assert drives(hand.hold(0.04, 30.0)) == {False}
         assert drives(hand.hold(0.02, 30.0, button=True)) == {False}
 
 
-def test_a_fault_counts_whatever_the_button_says() -> None:
-    hand = Held()
+def test_a_fault_counts_whatever_the_button_says(hand: Held) -> None:
     hand.hold(0.5, 0.0, button=True)
     hand.policy.on_frame(tilt_frame(0.1, 0.0, 0.1, button=1), hand.now)
     assert said(hand.policy, hand.now).source == "fault"
 
 
-def test_pressing_asks_for_a_lost_lease() -> None:
-    hand = Held()
+def test_pressing_asks_for_a_lost_lease(hand: Held) -> None:
     hand.policy.operator.on_lease(Lease(seq=1, instance="guard", holder="me", operator="joystick", counter=7))
     assert hand.hold(0.1, 0.0)[-1].lease_counter == 7
     hand.policy.operator.on_lease(

@@ -35,6 +35,11 @@ def assert_fault(command: DriveCommand, *words: str) -> None:
         assert word in str(command.reason)
 
 
+@pytest.fixture
+def joystick() -> JoystickPolicy:
+    return policy()
+
+
 def test_a_sound_reading_is_a_hand_with_the_tick_of_its_frame() -> None:
     tilt, command = after(tilt_frame(7.0, 0.0, 6.87, robot_ns=5))
     assert (tilt.x, tilt.y, tilt.z, tilt.status) == (7.0, 0.0, 6.87, "running")
@@ -69,8 +74,7 @@ def test_a_sensor_that_is_not_running_is_a_fault_with_cause_and_way_out(
     assert command.tick == tilt.tick
 
 
-def test_the_sensor_is_the_services_own_fault_and_the_robot_or_the_hand_is_not() -> None:
-    joystick = policy()
+def test_the_sensor_is_the_services_own_fault_and_the_robot_or_the_hand_is_not(joystick: JoystickPolicy) -> None:
     joystick.on_frame(tilt_frame(9.5, status=TiltStatus.BUS_FAULT), 10.0)
     assert str(joystick.sensor_fault) == str(said(joystick, 10.0).reason)
     joystick.on_frame(tilt_frame(7.0, 0.0, 6.87), 10.1)
@@ -115,8 +119,7 @@ def test_a_board_that_has_not_heard_the_robot_is_a_fault_without_a_tick() -> Non
     assert_fault(command, "not heard the robot", "check")
 
 
-def test_a_board_whose_ticks_have_ended_has_lost_the_robot() -> None:
-    joystick = policy()
+def test_a_board_whose_ticks_have_ended_has_lost_the_robot(joystick: JoystickPolicy) -> None:
     sources = []
     for step in range(27):
         now = step * 0.02
@@ -128,15 +131,13 @@ def test_a_board_whose_ticks_have_ended_has_lost_the_robot() -> None:
     assert said(joystick, 0.54).source == "hand"
 
 
-def test_before_the_first_frame_there_is_no_board_and_no_tick() -> None:
-    joystick = policy()
+def test_before_the_first_frame_there_is_no_board_and_no_tick(joystick: JoystickPolicy) -> None:
     assert_fault(said(joystick, 0.0), SOURCE.port, "cable")
     assert said(joystick, 0.0).tick is None
     assert joystick.lost(0.0) == Tilt(x=0.0, y=0.0, z=0.0, status="no_board", tick=None)
 
 
-def test_a_silent_board_is_a_fault_with_its_last_tick() -> None:
-    joystick = policy()
+def test_a_silent_board_is_a_fault_with_its_last_tick(joystick: JoystickPolicy) -> None:
     tilt = joystick.on_frame(tilt_frame(9.5), 10.0)
     assert said(joystick, 10.0 + BOARD_SILENCE - 0.001).source == "hand"
     assert joystick.lost(10.0 + BOARD_SILENCE - 0.001) is None
@@ -150,8 +151,7 @@ def test_a_silent_board_is_a_fault_with_its_last_tick() -> None:
     assert said(joystick, 200.0).source == "hand"
 
 
-def test_a_repeated_command_keeps_the_tick_of_its_frame() -> None:
-    joystick = policy()
+def test_a_repeated_command_keeps_the_tick_of_its_frame(joystick: JoystickPolicy) -> None:
     joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
     joystick.on_tick(Tick(epoch=EPOCH, robot_ns=99), 0.0)
     assert said(joystick, 0.0) == said(joystick, 0.1)
@@ -219,8 +219,7 @@ def test_after_missing_readings_no_attitude_of_before_becomes_the_zero(gap: str)
     assert_fault(said(joystick, now), "before the sensor had been read for 0.2 s", "old zero stays")
 
 
-def test_a_board_reset_passes_through_its_faults_and_drives_again() -> None:
-    joystick = policy()
+def test_a_board_reset_passes_through_its_faults_and_drives_again(joystick: JoystickPolicy) -> None:
     sources = []
     for frame in (
         tilt_frame(7.0, seq=900, boot_id=1),
@@ -233,15 +232,13 @@ def test_a_board_reset_passes_through_its_faults_and_drives_again() -> None:
     assert sources == ["hand", "fault", "fault", "hand"]
 
 
-def test_frames_across_the_wrap_of_their_sequence_all_count() -> None:
-    joystick = policy()
+def test_frames_across_the_wrap_of_their_sequence_all_count(joystick: JoystickPolicy) -> None:
     for step, seq in enumerate((65534, 65535, 0, 1)):
         joystick.on_frame(tilt_frame(4.5 + step, seq=seq), 0.02 * step)
         assert said(joystick, 0.02 * step).linear_x == pytest.approx(0.6 * step / 5)
 
 
-def test_ticks_go_down_as_they_are_and_their_sequence_wraps() -> None:
-    joystick = policy()
+def test_ticks_go_down_as_they_are_and_their_sequence_wraps(joystick: JoystickPolicy) -> None:
     ticks = (joystick.on_tick(Tick(epoch=EPOCH, robot_ns=ns), 0.0) for ns in range(0x10001))
     frames = [frame for frame in ticks if frame is not None]
     assert [frame.seq for frame in (frames[0], frames[-3], frames[-2], frames[-1])] == [1, 65535, 0, 1]

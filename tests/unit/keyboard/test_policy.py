@@ -21,6 +21,11 @@ def assert_fault(command: DriveCommand, *words: str) -> None:
         assert word in str(command.reason)
 
 
+@pytest.fixture
+def someone() -> Person:
+    return person()
+
+
 @pytest.mark.parametrize(
     ("key", "linear", "angular"),
     [
@@ -39,16 +44,14 @@ def test_a_press_asks_for_its_direction(key: Key, linear: float, angular: float)
     assert (command.source, str(command.reason), command.operator) == ("hand", "", "keyboard")
 
 
-def test_without_a_press_a_hand_asks_for_nothing_with_the_newest_moment() -> None:
-    someone = person()
+def test_without_a_press_a_hand_asks_for_nothing_with_the_newest_moment(someone: Person) -> None:
     for command in someone.wait(1.0):
         assert command.neutral
         assert (command.source, str(command.reason)) == ("hand", "")
     assert said(someone.policy, someone.now).tick == someone.tick_now
 
 
-def test_a_press_lasts_0_4_s_with_the_tick_of_its_moment() -> None:
-    someone = person()
+def test_a_press_lasts_0_4_s_with_the_tick_of_its_moment(someone: Person) -> None:
     pressed_at = someone.tick_now
     commands = [someone.press(Key.FORWARD), *someone.wait(0.6)]
     moving = [command for command in commands if not command.neutral]
@@ -57,8 +60,7 @@ def test_a_press_lasts_0_4_s_with_the_tick_of_its_moment() -> None:
     assert all(command.neutral for command in commands[len(moving) :])
 
 
-def test_each_repeat_is_a_press_of_its_own() -> None:
-    someone = person()
+def test_each_repeat_is_a_press_of_its_own(someone: Person) -> None:
     for _ in range(30):
         command = someone.press(Key.LEFT)
         assert command.angular_z > 0.0
@@ -66,24 +68,21 @@ def test_each_repeat_is_a_press_of_its_own() -> None:
         assert not any(command.neutral for command in someone.wait(0.04))
 
 
-def test_a_press_expires_by_the_robots_clock_where_this_one_stood_still() -> None:
-    someone = person()
+def test_a_press_expires_by_the_robots_clock_where_this_one_stood_still(someone: Person) -> None:
     someone.press(Key.FORWARD)
     someone.robot_ns += round((KEY_LASTS + 0.01) * 1e9)
     someone.tick()
     assert said(someone.policy, someone.now).neutral
 
 
-def test_a_press_expires_by_this_machines_clock_where_the_robots_is_not_heard() -> None:
-    someone = person()
+def test_a_press_expires_by_this_machines_clock_where_the_robots_is_not_heard(someone: Person) -> None:
     someone.press(Key.FORWARD)
     commands = someone.wait(0.46, ticks=False)
     assert [command.neutral for command in commands] == [False] * 20 + [True] * 3
     assert {command.source for command in commands} == {"hand"}
 
 
-def test_the_newest_press_alone_counts() -> None:
-    someone = person()
+def test_the_newest_press_alone_counts(someone: Person) -> None:
     someone.press(Key.FORWARD)
     assert (someone.press(Key.LEFT).linear_x, someone.press(Key.NOTHING).neutral) == (0.0, True)
 
@@ -106,8 +105,7 @@ def test_before_the_first_tick_the_robot_is_lost() -> None:
     assert said(someone.policy, someone.now).neutral  # nobody knows how old that press was
 
 
-def test_without_ticks_for_half_a_second_the_robot_is_lost() -> None:
-    someone = person()
+def test_without_ticks_for_half_a_second_the_robot_is_lost(someone: Person) -> None:
     commands = someone.wait(1.0, ticks=False)
     lost = [command.source for command in commands].index("fault")
     assert (lost + 1) * 0.02 == pytest.approx(LINK_SILENCE, abs=0.03)
@@ -116,8 +114,7 @@ def test_without_ticks_for_half_a_second_the_robot_is_lost() -> None:
     assert someone.wait(0.02)[0].source == "hand"
 
 
-def test_old_ticks_that_come_again_are_no_sign_of_the_robot() -> None:
-    someone = person()
+def test_old_ticks_that_come_again_are_no_sign_of_the_robot(someone: Person) -> None:
     last = someone.tick_now
     for _ in range(9):
         someone.wait(0.02, ticks=False)
@@ -127,8 +124,7 @@ def test_old_ticks_that_come_again_are_no_sign_of_the_robot() -> None:
     assert_fault(said(someone.policy, someone.now), "no tick")
 
 
-def test_nobody_takes_the_robot_by_starting_a_program() -> None:
-    someone = person()
+def test_nobody_takes_the_robot_by_starting_a_program(someone: Person) -> None:
     assert {command.lease_counter for command in someone.wait(1.0)} == {ASKS_NOTHING}
     someone.hear("", 0)
     assert {command.lease_counter for command in someone.wait(1.0)} == {ASKS_NOTHING}
@@ -137,8 +133,7 @@ def test_nobody_takes_the_robot_by_starting_a_program() -> None:
 
 
 @pytest.mark.parametrize("key", [Key.FORWARD, Key.RIGHT, Key.CLUTCH])
-def test_a_press_asks_for_the_lease_as_long_as_it_lasts(key: Key) -> None:
-    someone = person()
+def test_a_press_asks_for_the_lease_as_long_as_it_lasts(someone: Person, key: Key) -> None:
     assert someone.press(key).lease_counter == 0
     counters = [command.lease_counter for command in someone.wait(0.6)]
     assert counters == [0] * 20 + [ASKS_NOTHING] * 10
@@ -155,8 +150,7 @@ def test_no_other_key_asks_for_it(key: Key) -> None:
     assert person().press(key).lease_counter == ASKS_NOTHING
 
 
-def test_who_drives_is_known() -> None:
-    someone = person()
+def test_who_drives_is_known(someone: Person) -> None:
     someone.hear("joystick", 3, reason="held by joystick")
     assert someone.policy.operator.holder == "joystick"
     assert "joystick" in str(someone.policy.operator.refusal)
@@ -164,8 +158,7 @@ def test_who_drives_is_known() -> None:
     assert someone.policy.operator.refusal == WELL
 
 
-def test_the_space_bar_stops_at_once_and_until_base_has_confirmed() -> None:
-    someone = person()
+def test_the_space_bar_stops_at_once_and_until_base_has_confirmed(someone: Person) -> None:
     someone.press(Key.FORWARD)
     assert_fault(someone.press(Key.STOP), "space bar", "not yet confirmed")
     someone.wait(1.0)

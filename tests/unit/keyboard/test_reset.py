@@ -64,8 +64,12 @@ class Base:
         return self.keys.text
 
 
-def test_r_asks_and_y_releases_the_latch_that_is_shown_with_the_robots_time_of_the_y() -> None:
-    base = Base()
+@pytest.fixture
+def base() -> Base:
+    return Base()
+
+
+def test_r_asks_and_y_releases_the_latch_that_is_shown_with_the_robots_time_of_the_y(base: Base) -> None:
     assert base.press(Key.RESET) == "RELEASE? y: yes, any other key: no. It is the stop by carer@tablet: child"
     base.wait(1.0)
     assert base.press(Key.YES) == "RELEASING, not confirmed yet"
@@ -80,8 +84,7 @@ def test_r_asks_and_y_releases_the_latch_that_is_shown_with_the_robots_time_of_t
 
 
 @pytest.mark.parametrize("key", [key for key in Key if key is not Key.YES])
-def test_no_other_key_releases_and_each_ends_the_question(key: Key) -> None:
-    base = Base()
+def test_no_other_key_releases_and_each_ends_the_question(base: Base, key: Key) -> None:
     base.press(Key.RESET)
     base.wait(1.0)
     base.press(key)
@@ -115,8 +118,7 @@ def test_a_yes_counts_once_one_has_read_and_while_the_question_stands() -> None:
         assert len(base.asked) == asked, wait
 
 
-def test_a_question_that_nobody_answers_goes() -> None:
-    base = Base()
+def test_a_question_that_nobody_answers_goes(base: Base) -> None:
     base.press(Key.RESET)
     base.wait(ASKS_FOR + 0.2)
     assert base.keys.text == ""
@@ -131,8 +133,7 @@ def test_a_question_that_nobody_answers_goes() -> None:
         ([stop(engaged=False)], "not engaged"),
     ],
 )
-def test_what_has_changed_since_it_was_shown_is_not_released(meanwhile: list[EStop], says: str) -> None:
-    base = Base()
+def test_what_has_changed_since_it_was_shown_is_not_released(base: Base, meanwhile: list[EStop], says: str) -> None:
     base.press(Key.RESET)
     base.states = meanwhile
     base.wait(0.7)
@@ -140,8 +141,7 @@ def test_what_has_changed_since_it_was_shown_is_not_released(meanwhile: list[ESt
     assert base.asked == []
 
 
-def test_nothing_is_released_of_a_robot_that_is_not_heard() -> None:
-    base = Base()
+def test_nothing_is_released_of_a_robot_that_is_not_heard(base: Base) -> None:
     base.press(Key.RESET)
     base.wait(1.0)
     base.is_lost = True
@@ -152,8 +152,7 @@ def test_nothing_is_released_of_a_robot_that_is_not_heard() -> None:
     assert base.asked == []
 
 
-def test_nothing_is_released_while_a_stop_is_asked_for_and_a_stop_ends_a_release() -> None:
-    base = Base()
+def test_nothing_is_released_while_a_stop_is_asked_for_and_a_stop_ends_a_release(base: Base) -> None:
     base.is_stopping = True
     assert base.press(Key.RESET) == ""
     base.is_stopping = False
@@ -166,8 +165,7 @@ def test_nothing_is_released_while_a_stop_is_asked_for_and_a_stop_ends_a_release
     assert base.attempts == attempts
 
 
-def test_a_release_that_is_refused_or_unanswered_says_so_and_is_not_asked_for_ever() -> None:
-    base = Base()
+def test_a_release_that_is_refused_or_unanswered_says_so_and_is_not_asked_for_ever(base: Base) -> None:
     base.press(Key.RESET)
     base.wait(1.0)
     base.press(Key.YES)

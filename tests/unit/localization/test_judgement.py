@@ -42,8 +42,12 @@ def known(*, was_told: bool = False) -> Judgement:
     return judgement
 
 
-def test_it_takes_three_metres_on_which_all_agrees() -> None:
-    judgement = Judgement(was_told=False)
+@pytest.fixture
+def judgement() -> Judgement:
+    return Judgement(was_told=False)
+
+
+def test_it_takes_three_metres_on_which_all_agrees(judgement: Judgement) -> None:
     drive(judgement, 2.9)
     assert said(judgement) == "lost"
     assert "not found yet" in str(judgement.reason)
@@ -78,8 +82,7 @@ def test_where_somebody_has_told_it_two_metres_are_enough_and_no_challenger_need
     ],
     ids=str,
 )
-def test_one_thing_that_does_not_agree_is_enough_against_it(wrong: dict[str, Any]) -> None:
-    judgement = Judgement(was_told=False)
+def test_one_thing_that_does_not_agree_is_enough_against_it(judgement: Judgement, wrong: dict[str, Any]) -> None:
     drive(judgement, 20.0, **wrong)
     assert judgement.state != "localized"
     assert judgement.reason
@@ -121,8 +124,7 @@ def test_what_somebody_has_told_is_checked_all_the_same(wrong: dict[str, Any]) -
     assert judgement.state != "localized"
 
 
-def test_what_does_not_hold_for_three_metres_at_once_does_not_count() -> None:
-    judgement = Judgement(was_told=False)
+def test_what_does_not_hold_for_three_metres_at_once_does_not_count(judgement: Judgement) -> None:
     for _ in range(10):
         drive(judgement, 2.0)
         drive(judgement, 0.1, fits=Fits(0.6, 0.6))
@@ -163,8 +165,7 @@ def test_where_no_sensor_says_anything_nothing_is_known() -> None:
     assert "giraff_ranger" in str(judgement.reason)
 
 
-def test_on_a_map_that_has_explained_little_for_long_no_place_is_believed_soon() -> None:
-    judgement = Judgement(was_told=False)
+def test_on_a_map_that_has_explained_little_for_long_no_place_is_believed_soon(judgement: Judgement) -> None:
     drive(judgement, 30.0, fits=Fits(0.4, 0.4))
     drive(judgement, 5.0)
     assert judgement.state == "lost"
@@ -185,8 +186,7 @@ def test_another_cloud_begins_anew() -> None:
 
 
 @pytest.mark.parametrize("there", [THERE, Pose(1.4, 1.0, 3.1)], ids=["elsewhere", "turned round nearby"])
-def test_several_places_are_ambiguous_best_first(there: Pose) -> None:
-    judgement = Judgement(was_told=False)
+def test_several_places_are_ambiguous_best_first(judgement: Judgement, there: Pose) -> None:
     drive(judgement, 1.0, found=[cluster(mass=0.6), cluster(there, mass=0.3)])
     assert judgement.state == "ambiguous"
     assert [(place.x, place.belief) for place in judgement.candidates] == [(1.0, 0.6), (there.x, 0.3)]
@@ -194,37 +194,32 @@ def test_several_places_are_ambiguous_best_first(there: Pose) -> None:
     assert "2 places fit" in str(judgement.reason)
 
 
-def test_a_twin_is_a_candidate_that_no_particle_believes() -> None:
-    judgement = Judgement(was_told=False)
+def test_a_twin_is_a_candidate_that_no_particle_believes(judgement: Judgement) -> None:
     drive(judgement, 1.0, twins=[THERE])
     assert judgement.state == "ambiguous"
     assert judgement.candidates[1].belief == 0.0
     assert judgement.others == [], "which do not become twins again"
 
 
-def test_places_that_explain_little_are_no_candidates_to_choose_from() -> None:
-    judgement = Judgement(was_told=False)
+def test_places_that_explain_little_are_no_candidates_to_choose_from(judgement: Judgement) -> None:
     drive(judgement, 1.0, found=[cluster(mass=0.6), cluster(THERE, mass=0.3)], fits=Fits(0.5, 0.5))
     assert judgement.state == "lost"
     assert len(judgement.candidates) == 2
 
 
-def test_the_map_is_doubted_after_forty_metres_on_which_no_place_fits() -> None:
-    judgement = Judgement(was_told=False)
+def test_the_map_is_doubted_after_forty_metres_on_which_no_place_fits(judgement: Judgement) -> None:
     drive(judgement, 39.0, fits=Fits(0.5, 0.5))
     assert "may not be the map" not in str(judgement.reason)
     drive(judgement, 2.0, fits=Fits(0.5, 0.5))
     assert "may not be the map" in str(judgement.reason)
 
 
-def test_equal_rooms_are_no_reason_to_doubt_the_map() -> None:
-    judgement = Judgement(was_told=False)
+def test_equal_rooms_are_no_reason_to_doubt_the_map(judgement: Judgement) -> None:
     drive(judgement, 60.0, twins=[THERE])
     assert "2 places fit" in str(judgement.reason)
 
 
-def test_a_good_place_now_and_then_is_no_reason_to_believe_the_map() -> None:
-    judgement = Judgement(was_told=False)
+def test_a_good_place_now_and_then_is_no_reason_to_believe_the_map(judgement: Judgement) -> None:
     for _ in range(5):
         drive(judgement, 8.0, fits=Fits(0.4, 0.4))
         drive(judgement, 1.0, rivals=[])

@@ -85,7 +85,8 @@ def heard(place: Pose) -> float | None:
     return expected * floor().table.bin if expected < CLEAR else None
 
 
-def tracked() -> Robot:
+@pytest.fixture
+def robot() -> Robot:
     """One that was told where it starts, and has driven on."""
     made = policy()
     robot = Robot(made, Pose(1.0, 1.5, 0.0), Pose(7.0, -3.0, 2.0))
@@ -94,6 +95,12 @@ def tracked() -> Robot:
     robot.drive(2.3)
     assert made.pose().state == "localized"
     return robot
+
+
+@pytest.fixture
+def lost() -> LocalizationPolicy:
+    """It has computed all that it can, and was told nothing."""
+    return policy()
 
 
 def test_without_a_map_it_says_so_and_how_to_give_one() -> None:
@@ -146,43 +153,38 @@ def test_it_begins_lost_with_particles_all_over() -> None:
         ({"yaw_sd": 90.0}, "degrees"),
     ],
 )
-def test_a_place_where_it_cannot_be_is_refused(wrong: dict[str, float], words: str) -> None:
-    made = policy()
-    assert words in set_pose(made, **wrong)
-    assert made.pose().particles == CONFIG.most_particles, "and nothing has changed"
+def test_a_place_where_it_cannot_be_is_refused(lost: LocalizationPolicy, wrong: dict[str, float], words: str) -> None:
+    assert words in set_pose(lost, **wrong)
+    assert lost.pose().particles == CONFIG.most_particles, "and nothing has changed"
 
 
-def test_a_yaw_of_any_number_of_turns_is_one() -> None:
-    made = policy()
-    assert set_pose(made, yaw=1.0 + 8.0 * math.pi) == ""
-    assert made.pose().yaw == pytest.approx(1.0, abs=0.02)
-    assert set_pose(made, yaw=1e308, id=2) == ""
-    assert abs(made.pose().yaw) <= math.pi
-    Robot(made, Pose(1.0, 1.5, 0.0)).drive(0.5)
+def test_a_yaw_of_any_number_of_turns_is_one(lost: LocalizationPolicy) -> None:
+    assert set_pose(lost, yaw=1.0 + 8.0 * math.pi) == ""
+    assert lost.pose().yaw == pytest.approx(1.0, abs=0.02)
+    assert set_pose(lost, yaw=1e308, id=2) == ""
+    assert abs(lost.pose().yaw) <= math.pi
+    Robot(lost, Pose(1.0, 1.5, 0.0)).drive(0.5)
 
 
-def test_who_is_unsure_by_metres_has_told_no_place() -> None:
+def test_who_is_unsure_by_metres_has_told_no_place(lost: LocalizationPolicy) -> None:
     """It then takes what any other search takes: three metres, and a challenger that agrees."""
-    made = policy()
-    robot = Robot(made, Pose(1.0, 1.5, 0.0))
+    robot = Robot(lost, Pose(1.0, 1.5, 0.0))
     robot.tell()
-    assert set_pose(made, position_sd=3.0, yaw_sd=1.0) == ""
-    assert made.pose().state == "lost"
+    assert set_pose(lost, position_sd=3.0, yaw_sd=1.0) == ""
+    assert lost.pose().state == "lost"
     robot.drive(2.5)
-    assert made.pose().state != "localized"
+    assert lost.pose().state != "localized"
 
 
-def test_a_robot_that_is_lost_says_how_unsure_it_is() -> None:
-    made = policy()
-    x, y, yaw = made.pose().standard_deviations
+def test_a_robot_that_is_lost_says_how_unsure_it_is(lost: LocalizationPolicy) -> None:
+    x, y, yaw = lost.pose().standard_deviations
     assert (x, y, yaw) == pytest.approx(
         (4.4 / math.sqrt(12.0), 2.4 / math.sqrt(12.0), math.tau / math.sqrt(12.0)), rel=0.1
     )
-    assert (made.pose().x, made.pose().y) == pytest.approx((2.5, 1.5), abs=0.2)
+    assert (lost.pose().x, lost.pose().y) == pytest.approx((2.5, 1.5), abs=0.2)
 
 
-def test_without_readings_it_does_not_stay_known() -> None:
-    robot = tracked()
+def test_without_readings_it_does_not_stay_known(robot: Robot) -> None:
     robot.hears = False
     robot.drive(1.5)
     assert robot.policy.pose().state == "localized"
@@ -192,8 +194,7 @@ def test_without_readings_it_does_not_stay_known() -> None:
     assert "giraff_ranger" in str(robot.policy.pose().reason)
 
 
-def test_while_odometry_is_silent_nobody_knows_where_the_robot_goes() -> None:
-    robot = tracked()
+def test_while_odometry_is_silent_nobody_knows_where_the_robot_goes(robot: Robot) -> None:
     robot.policy.on_silence()
     assert robot.policy.pose().state == "lost"
     assert "giraff_odometry" in str(robot.policy.pose().reason)
@@ -203,8 +204,7 @@ def test_while_odometry_is_silent_nobody_knows_where_the_robot_goes() -> None:
     assert robot.policy.transform() is not None
 
 
-def test_a_number_of_another_count_does_not_make_it_deaf() -> None:
-    robot = tracked()
+def test_a_number_of_another_count_does_not_make_it_deaf(robot: Robot) -> None:
     said = odometry(robot.seconds, *robot.odom[:2])
     robot.policy.on_odometry(msgspec.structs.replace(said, seq=2**62))
     before = robot.policy.pose()
@@ -212,8 +212,7 @@ def test_a_number_of_another_count_does_not_make_it_deaf() -> None:
     assert robot.policy.pose().tick != before.tick
 
 
-def test_what_odometry_has_missed_has_a_bound() -> None:
-    robot = tracked()
+def test_what_odometry_has_missed_has_a_bound(robot: Robot) -> None:
     lost = odometry(robot.seconds + 0.01, *robot.odom[:2], math.remainder(robot.odom.yaw, math.tau))
     robot.policy.on_odometry(msgspec.structs.replace(lost, covariance=(1e30, 0.0, 0.0, 1e30, 0.0, 1e30), breaks=1))
     work(robot.policy)
@@ -222,11 +221,10 @@ def test_what_odometry_has_missed_has_a_bound() -> None:
     assert all(math.isfinite(value) for value in said.covariance)
 
 
-def test_one_id_is_a_wish_of_its_own_for_each_query() -> None:
-    made = policy()
-    assert made.on_global(LocalizationGlobal(by="test", id=1)).done
-    assert set_pose(made, id=1) == ""
-    assert made.pose().x == pytest.approx(1.0, abs=0.05)
+def test_one_id_is_a_wish_of_its_own_for_each_query(lost: LocalizationPolicy) -> None:
+    assert lost.on_global(LocalizationGlobal(by="test", id=1)).done
+    assert set_pose(lost, id=1) == ""
+    assert lost.pose().x == pytest.approx(1.0, abs=0.05)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -235,40 +233,36 @@ def test_what_is_no_number_is_no_request(value: float) -> None:
         LocalizationSetPose(by="test", id=1, x=value, y=0.0, yaw=0.0)
 
 
-def test_told_where_it_is_it_checks_that_before_it_says_so() -> None:
-    made = policy()
-    robot = Robot(made, Pose(1.0, 1.5, 0.0))
+def test_told_where_it_is_it_checks_that_before_it_says_so(lost: LocalizationPolicy) -> None:
+    robot = Robot(lost, Pose(1.0, 1.5, 0.0))
     robot.tell()
-    assert set_pose(made) == ""
-    said = made.pose()
-    assert (said.state, made.transform()) == ("told", None)
+    assert set_pose(lost) == ""
+    said = lost.pose()
+    assert (said.state, lost.transform()) == ("told", None)
     assert (said.x, said.y) == pytest.approx((1.0, 1.5), abs=0.02)
     assert said.standard_deviations == pytest.approx((0.1, 0.1, 0.1), rel=0.2)
     assert "checked" in str(said.reason)
     robot.drive(2.3)
-    assert (made.pose().state, str(made.pose().reason)) == ("localized", "")
+    assert (lost.pose().state, str(lost.pose().reason)) == ("localized", "")
     assert robot.error < 0.1
 
 
-def test_told_a_place_where_it_is_not_it_does_not_say_that_it_is_there() -> None:
-    made = policy()
-    robot = Robot(made, Pose(1.0, 1.5, 0.0))
+def test_told_a_place_where_it_is_not_it_does_not_say_that_it_is_there(lost: LocalizationPolicy) -> None:
+    robot = Robot(lost, Pose(1.0, 1.5, 0.0))
     robot.tell()
-    assert set_pose(made, x=3.5, y=1.0, yaw=2.0) == ""
+    assert set_pose(lost, x=3.5, y=1.0, yaw=2.0) == ""
     robot.drive(1.5)
-    assert made.pose().state not in ("told", "localized")
+    assert lost.pose().state not in ("told", "localized")
 
 
-def test_one_wish_is_met_once() -> None:
-    robot = tracked()
+def test_one_wish_is_met_once(robot: Robot) -> None:
     assert set_pose(robot.policy, x=4.0) == ""
     assert robot.error < 0.1, "the id was met before"
     assert set_pose(robot.policy, x=4.0, id=9) == ""
     assert robot.policy.pose().x == pytest.approx(4.0, abs=0.02)
 
 
-def test_it_is_where_odometry_has_brought_it_since_the_last_update() -> None:
-    robot = tracked()
+def test_it_is_where_odometry_has_brought_it_since_the_last_update(robot: Robot) -> None:
     before = robot.policy.pose()
     robot.odom = robot.odom.moved(0.05, 0.0)
     robot.seconds += 0.01
@@ -280,8 +274,7 @@ def test_it_is_where_odometry_has_brought_it_since_the_last_update() -> None:
     )
 
 
-def test_odom_is_in_the_map_where_it_takes_the_robot_to_be() -> None:
-    robot = tracked()
+def test_odom_is_in_the_map_where_it_takes_the_robot_to_be(robot: Robot) -> None:
     said, transform = robot.policy.pose(), robot.policy.transform()
     assert transform is not None
     assert (transform.parent, transform.child) == ("map", "odom")
@@ -290,8 +283,7 @@ def test_odom_is_in_the_map_where_it_takes_the_robot_to_be() -> None:
     assert here == pytest.approx((said.x, said.y, said.yaw))
 
 
-def test_a_pose_that_was_set_in_odom_moves_odom_and_not_the_robot() -> None:
-    robot = tracked()
+def test_a_pose_that_was_set_in_odom_moves_odom_and_not_the_robot(robot: Robot) -> None:
     before = robot.policy.pose()
     robot.odom, robot.jumps = Pose(100.0, 50.0, -1.0), 1
     robot.seconds += 0.01
@@ -307,8 +299,7 @@ def test_a_pose_that_was_set_in_odom_moves_odom_and_not_the_robot() -> None:
     assert robot.error < 0.15
 
 
-def test_odometry_that_was_started_again_goes_on_where_the_robot_was() -> None:
-    robot = tracked()
+def test_odometry_that_was_started_again_goes_on_where_the_robot_was(robot: Robot) -> None:
     robot.odom, robot.instance = Pose(0.0, 0.0, 0.0), "two"
     robot.seconds += 0.5
     robot.tell()
@@ -317,8 +308,7 @@ def test_odometry_that_was_started_again_goes_on_where_the_robot_was() -> None:
     assert said.standard_deviations[0] > 0.1, "and is less sure of it"
 
 
-def test_odometry_that_was_gone_for_long_leaves_it_in_doubt() -> None:
-    robot = tracked()
+def test_odometry_that_was_gone_for_long_leaves_it_in_doubt(robot: Robot) -> None:
     robot.odom, robot.instance = Pose(0.0, 0.0, 0.0), "two"
     robot.seconds += 60.0
     robot.tell()
@@ -326,8 +316,7 @@ def test_odometry_that_was_gone_for_long_leaves_it_in_doubt() -> None:
     assert robot.policy.transform() is None
 
 
-def test_asked_to_look_anywhere_it_begins_anew() -> None:
-    robot = tracked()
+def test_asked_to_look_anywhere_it_begins_anew(robot: Robot) -> None:
     assert robot.policy.on_global(LocalizationGlobal(by="test", id=3)).done
     said = robot.policy.pose()
     assert (said.state, said.particles) == ("lost", CONFIG.most_particles)
@@ -336,8 +325,7 @@ def test_asked_to_look_anywhere_it_begins_anew() -> None:
     assert robot.policy.pose() == said
 
 
-def test_a_robot_that_stands_learns_nothing() -> None:
-    robot = tracked()
+def test_a_robot_that_stands_learns_nothing(robot: Robot) -> None:
     before = robot.policy.pose()
     for _ in range(200):
         robot.seconds += 0.05
@@ -348,8 +336,7 @@ def test_a_robot_that_stands_learns_nothing() -> None:
 
 
 @pytest.mark.parametrize("strange", ["fault", "no tick", "another sensor", "another start"])
-def test_a_reading_that_says_nothing_counts_for_nothing(strange: str) -> None:
-    robot = tracked()
+def test_a_reading_that_says_nothing_counts_for_nothing(robot: Robot, strange: str) -> None:
     robot.hears = False
     reading = echo("rear", robot.seconds, 0.5)
     bad: dict[str, Range] = {
@@ -365,26 +352,25 @@ def test_a_reading_that_says_nothing_counts_for_nothing(strange: str) -> None:
     assert robot.policy.pose().explained == explained
 
 
-def test_memory_stays_flat() -> None:
+def test_memory_stays_flat(lost: LocalizationPolicy) -> None:
     """However long nothing else comes, and whatever comes."""
-    made = policy()
     for number in range(3000):
-        made.on_range(echo("rear", 1e6 + number, 1.0))
-    robot = Robot(made, Pose(1.0, 1.5, 0.0))
+        lost.on_range(echo("rear", 1e6 + number, 1.0))
+    robot = Robot(lost, Pose(1.0, 1.5, 0.0))
     for number in range(500):
         robot.seconds += 0.01
         robot.tell()
-        made.on_range(echo("rear", robot.seconds, 1.0))
+        lost.on_range(echo("rear", robot.seconds, 1.0))
         if number < 100:
-            made.on_global(LocalizationGlobal(by="test", id=number + 1))
-    assert len(made._readings._waiting) <= 100
-    assert all(len(each) <= 12 for each in made._readings._heard.values())
-    assert len(made._way._moments) <= 400
-    assert len(made._granted) <= 64
+            lost.on_global(LocalizationGlobal(by="test", id=number + 1))
+    assert len(lost._readings._waiting) <= 100
+    assert all(len(each) <= 12 for each in lost._readings._heard.values())
+    assert len(lost._way._moments) <= 400
+    assert len(lost._granted) <= 64
 
 
-def test_particles_are_shown_by_the_hundred() -> None:
-    shown = tracked().policy.particles()
+def test_particles_are_shown_by_the_hundred(robot: Robot) -> None:
+    shown = robot.policy.particles()
     assert len(shown.x) == 300
     assert policy().walls().walls == ROOM.walls
 

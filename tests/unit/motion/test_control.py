@@ -54,8 +54,7 @@ def test_it_ends_where_it_was_to_end(kind: type[MotionRequest], values: dict[str
         assert shift.yaw == pytest.approx(end.yaw, abs=_ALIKE)  # whole turns counted
 
 
-def test_asked_and_achieved_are_seen_from_where_it_began() -> None:
-    bench = Bench()
+def test_asked_and_achieved_are_seen_from_where_it_began(bench: Bench) -> None:
     bench.do(MotionGo, steps=(Move(distance=0.5), Turn(angle=2.0)))
     state = bench.do(MotionMove, distance=-0.5)
     assert (state.asked.path, state.asked.x, state.asked.y) == pytest.approx((-0.5, -0.5, 0.0))
@@ -77,9 +76,8 @@ def test_it_never_asks_for_more_than_it_may_and_slows_down_before_its_end(speed:
     assert fastest == speed
 
 
-def test_it_learns_how_far_the_robot_rolls() -> None:
+def test_it_learns_how_far_the_robot_rolls(bench: Bench) -> None:
     """So that it stops once for a way, and need not try again."""
-    bench = Bench()
     for distance in (0.5, -0.5, 0.5, -0.5):
         bench.do(MotionMove, distance=distance)
     bench.said.clear()
@@ -88,8 +86,7 @@ def test_it_learns_how_far_the_robot_rolls() -> None:
     assert len(starts) == 1
 
 
-def test_a_robot_that_is_pushed_aside_comes_back_to_its_line() -> None:
-    bench = Bench()
+def test_a_robot_that_is_pushed_aside_comes_back_to_its_line(bench: Bench) -> None:
     bench.begin(MotionMove, distance=3.0)
     bench.run(1.0)
     bench.floor.drive(0.2, 0.6, 0.6)
@@ -109,8 +106,7 @@ def test_a_robot_that_is_too_weak_for_the_least_speed_is_asked_for_more() -> Non
     assert bench.floor.pose.x == pytest.approx(0.03, abs=0.005)
 
 
-def test_a_way_that_flickers_before_it_rolls_changes_nothing_of_its_end() -> None:
-    bench = Bench()
+def test_a_way_that_flickers_before_it_rolls_changes_nothing_of_its_end(bench: Bench) -> None:
     bench.begin(MotionMove, distance=1.0)
     for _ in range(4):
         bench.ways["forward"] = BLOCKED
@@ -137,10 +133,9 @@ def test_what_is_less_than_the_tolerance_moves_nothing(kind: type[MotionRequest]
     [((0.5, 1.9), (), "a wheel"), ((0.5, 1.9), (1.9, 2.1), "a wheel"), ((2.9, 3.1), (), "it was still on its way")],
 )
 def test_a_late_motion_tells_what_slowed_it_for_long(
-    base: tuple[float, ...], guard: tuple[float, ...], why: str
+    bench: Bench, base: tuple[float, ...], guard: tuple[float, ...], why: str
 ) -> None:
     """Seconds from and to which base and the guard slow it."""
-    bench = Bench()
     bench.begin(MotionMove, distance=2.0, time_limit=3.0)
     while not (state := bench.state()).outcome:
         bench.slowed = "a wheel is doubted" if base[0] < state.elapsed < base[1] else ""

@@ -80,8 +80,12 @@ def where(bench: Bench) -> tuple[float, float]:
     return Pose(here.x, here.y, here.yaw).placed_in(bench.odom_in_map)[:2]
 
 
-def test_it_goes_to_a_point_of_the_map() -> None:
-    bench = localized()
+@pytest.fixture
+def bench() -> Bench:
+    return localized()
+
+
+def test_it_goes_to_a_point_of_the_map(bench: Bench) -> None:
     state = bench.do(MotionGo, steps=(in_map(3.0, 2.0), Move(distance=0.2), in_map(4.0, 1.5)))
     assert (state.outcome, state.step, state.steps) == ("arrived", 3, 3)
     assert where(bench) == pytest.approx((4.0, 1.5), abs=0.015)
@@ -121,10 +125,9 @@ def test_it_begins_only_while_it_is_known_where_the_robot_is(spoil: Callable[[Be
 @pytest.mark.parametrize(("x", "y"), [(9.0, 9.0), (-1e300, 2.0), (0.0, 2.0), (2.05, 2.0)])
 @pytest.mark.parametrize("before", [(), (Move(distance=0.3),)])
 def test_a_goal_where_nobody_can_stand_is_refused_before_the_robot_turns(
-    before: tuple[Step, ...], x: float, y: float
+    bench: Bench, before: tuple[Step, ...], x: float, y: float
 ) -> None:
     """Off the plan, beyond all numbers, in its outer wall, and nearer to a wall within than its body is wide."""
-    bench = localized()
     bench.policy.on_map(PLAN)
     start = bench.floor.pose
     answer = bench.ask(MotionGo, steps=(*before, in_map(x, y)))
@@ -137,8 +140,7 @@ def test_a_goal_where_nobody_can_stand_is_refused_before_the_robot_turns(
 
 
 @pytest.mark.parametrize("plan", [replace(PLAN, instance="another"), replace(PLAN, free=None)])
-def test_no_goal_is_judged_by_a_plan_that_is_not_known_to_be_that_of_the_pose(plan: MapWalls) -> None:
-    bench = localized()
+def test_no_goal_is_judged_by_a_plan_that_is_not_known_to_be_that_of_the_pose(bench: Bench, plan: MapWalls) -> None:
     bench.policy.on_map(plan)
     assert bench.ask(MotionGo, steps=(in_map(9.0, 9.0),)).accepted
 
@@ -150,9 +152,8 @@ def test_it_goes_by_a_place_that_was_told_and_ends_where_that_does_not_hold() ->
     assert ended(bench).outcome == "lost_localization"
 
 
-def test_it_goes_by_no_pose_that_two_processes_say() -> None:
+def test_it_goes_by_no_pose_that_two_processes_say(bench: Bench) -> None:
     """A forged one looks as good as the true one: nobody can tell which to believe."""
-    bench = localized()
     bench.localizer = "another"
     bench.run(0.2)
     answer = bench.ask(MotionGo, steps=(in_map(4.0, 4.0),))
@@ -162,8 +163,7 @@ def test_it_goes_by_no_pose_that_two_processes_say() -> None:
     assert bench.ask(MotionGo, steps=(in_map(4.0, 4.0),)).accepted, "for the other one has long been silent"
 
 
-def test_a_second_process_that_speaks_ends_it() -> None:
-    bench = localized()
+def test_a_second_process_that_speaks_ends_it(bench: Bench) -> None:
     under_way(bench)
     bench.localizer = "another"
     assert ended(bench).outcome == "lost_localization"
@@ -175,9 +175,8 @@ def test_without_localization_it_says_what_to_start() -> None:
     assert "start giraff_localization" in str(answer.reason)
 
 
-def test_it_does_not_go_by_a_pose_from_before_odometry_began_anew() -> None:
+def test_it_does_not_go_by_a_pose_from_before_odometry_began_anew(bench: Bench) -> None:
     """Until localization has heard of it: what it said of the old origin would send the robot elsewhere."""
-    bench = localized()
     bench.do(MotionGo, steps=(Move(distance=0.3),))
     bench.localization = None
     bench.odometry.on_reset(OdomReset(by="somebody", id=1))
@@ -190,16 +189,14 @@ def test_it_does_not_go_by_a_pose_from_before_odometry_began_anew() -> None:
 
 
 @pytest.mark.parametrize("state", ["lost", "ambiguous", "no_map"])
-def test_it_ends_at_once_when_that_is_not_known_any_more(state: LocalizationState) -> None:
-    bench = localized()
+def test_it_ends_at_once_when_that_is_not_known_any_more(bench: Bench, state: LocalizationState) -> None:
     under_way(bench)
     bench.localization = state
     end = ended(bench)
     assert (end.outcome, str(end.reason)) == ("lost_localization", LOST)
 
 
-def test_it_ends_when_no_pose_is_heard() -> None:
-    bench = localized()
+def test_it_ends_when_no_pose_is_heard(bench: Bench) -> None:
     under_way(bench)
     bench.localization = None
     bench.run(0.9)
@@ -208,9 +205,8 @@ def test_it_ends_when_no_pose_is_heard() -> None:
     assert (end.outcome, SILENT in str(end.reason)) == ("lost_localization", True)
 
 
-def test_it_ends_when_what_is_said_is_of_odometry_long_past() -> None:
+def test_it_ends_when_what_is_said_is_of_odometry_long_past(bench: Bench) -> None:
     """A localization that repeats itself is heard, and says nothing of now."""
-    bench = localized()
     under_way(bench)
     bench.map_tick = bench.tick
     bench.run(0.95)
@@ -224,8 +220,7 @@ def test_it_ends_when_what_is_said_is_of_odometry_long_past() -> None:
     [ODOM._replace(x=4.25), ODOM._replace(y=0.75), Pose(4.0, 1.0, math.pi / 2.0 + 0.08), Pose(4.0, 1.0, -math.pi / 2)],
     ids=["aside", "back", "the goal alone", "it looks elsewhere"],
 )
-def test_it_ends_when_the_goal_or_the_robot_turns_out_to_be_elsewhere(odom: Pose) -> None:
-    bench = localized()
+def test_it_ends_when_the_goal_or_the_robot_turns_out_to_be_elsewhere(bench: Bench, odom: Pose) -> None:
     under_way(bench)
     bench.odom_in_map = odom
     end = ended(bench)
@@ -233,9 +228,8 @@ def test_it_ends_when_the_goal_or_the_robot_turns_out_to_be_elsewhere(odom: Pose
 
 
 @pytest.mark.parametrize("back", [False, True])
-def test_many_small_corrections_place_the_goal_anew(back: bool) -> None:
+def test_many_small_corrections_place_the_goal_anew(bench: Bench, back: bool) -> None:
     """Also those of a turn: from one of its words to the next it may err by a degree or two."""
-    bench = localized()
     under_way(bench)
     for part in range(1, 12):
         turned = ODOM.yaw - (0.02 * part if back else 0.0)
@@ -248,9 +242,8 @@ def test_many_small_corrections_place_the_goal_anew(back: bool) -> None:
     assert math.dist(where(bench), (4.5, 4.2)) > 0.3, "where it was at first"
 
 
-def test_a_jump_back_is_one_as_well() -> None:
+def test_a_jump_back_is_one_as_well(bench: Bench) -> None:
     """Half of it to either side of where the goal was placed."""
-    bench = localized()
     under_way(bench)
     bench.odom_in_map = ODOM._replace(x=4.12)
     bench.run(0.12)
@@ -259,8 +252,7 @@ def test_a_jump_back_is_one_as_well() -> None:
     assert ended(bench).outcome == "lost_localization"
 
 
-def test_a_small_correction_moves_no_goal_that_is_under_way_and_counts_for_the_next() -> None:
-    bench = localized()
+def test_a_small_correction_moves_no_goal_that_is_under_way_and_counts_for_the_next(bench: Bench) -> None:
     under_way(bench)
     bench.odom_in_map = ODOM._replace(x=4.1)
     assert bench.finish().outcome == "arrived"
@@ -269,9 +261,8 @@ def test_a_small_correction_moves_no_goal_that_is_under_way_and_counts_for_the_n
     assert where(bench) == pytest.approx((4.0, 4.0), abs=0.015)
 
 
-def test_each_step_is_placed_when_it_begins() -> None:
+def test_each_step_is_placed_when_it_begins(bench: Bench) -> None:
     """So that a long round goes by what is known of the place by then."""
-    bench = localized()
     bench.begin(MotionGo, steps=(in_map(4.0, 2.0), in_map(5.0, 2.0), Move(distance=0.3), in_map(5.0, 1.0)))
     for step in (1, 2, 3):
         while bench.state().step == step:
@@ -283,8 +274,7 @@ def test_each_step_is_placed_when_it_begins() -> None:
     assert where(bench) == pytest.approx((5.0, 1.1), abs=0.02)  # by what was known when that step began
 
 
-def test_what_follows_the_last_step_in_map_needs_no_map() -> None:
-    bench = localized()
+def test_what_follows_the_last_step_in_map_needs_no_map(bench: Bench) -> None:
     bench.begin(MotionGo, steps=(in_map(4.0, 1.5), Turn(angle=1.0), Move(distance=0.3)))
     while bench.state().step == 1:
         bench.step()
@@ -292,8 +282,7 @@ def test_what_follows_the_last_step_in_map_needs_no_map() -> None:
     assert bench.finish().outcome == "arrived"
 
 
-def test_a_step_whose_goal_has_come_to_the_robot_is_over() -> None:
-    bench = localized()
+def test_a_step_whose_goal_has_come_to_the_robot_is_over(bench: Bench) -> None:
     assert bench.ask(MotionGo, steps=(in_map(4.0, 2.0),)).accepted
     bench.odom_in_map = ODOM._replace(y=2.0)
     state = bench.finish()

@@ -49,8 +49,7 @@ def ended(bench: Bench) -> MotionState:
     return state
 
 
-def test_it_holds_still_until_the_robot_is_armed_and_then_moves() -> None:
-    bench = Bench()
+def test_it_holds_still_until_the_robot_is_armed_and_then_moves(bench: Bench) -> None:
     assert bench.ask(MotionMove, distance=0.5).accepted
     state = bench.finish()
     first = next(index for index, command in enumerate(bench.said) if not command.neutral)
@@ -60,9 +59,8 @@ def test_it_holds_still_until_the_robot_is_armed_and_then_moves() -> None:
     assert state.achieved.x == pytest.approx(bench.floor.pose.x, abs=0.002)
 
 
-def test_no_command_carries_a_newer_tick_than_the_requester_has_sent() -> None:
+def test_no_command_carries_a_newer_tick_than_the_requester_has_sent(bench: Bench) -> None:
     """Holds arrive late here. Base judges the age of a command by its tick, which must keep that delay."""
-    bench = Bench()
     bench.hold_delay = 0.3
     assert bench.ask(MotionMove, distance=0.5).accepted
     count = 0
@@ -74,16 +72,14 @@ def test_no_command_carries_a_newer_tick_than_the_requester_has_sent() -> None:
     assert count > 50
 
 
-def test_nothing_is_said_before_the_requester_was_heard_and_it_ends_without() -> None:
-    bench = Bench()
+def test_nothing_is_said_before_the_requester_was_heard_and_it_ends_without(bench: Bench) -> None:
     bench.requester_is_there = False
     assert bench.ask(MotionMove, distance=0.5).accepted
     state = bench.finish(within=3.0)
     assert (state.outcome, bench.said) == ("lost_requester", [])
 
 
-def test_a_requester_that_is_gone_renews_nothing_and_ends_it() -> None:
-    bench = Bench()
+def test_a_requester_that_is_gone_renews_nothing_and_ends_it(bench: Bench) -> None:
     moving(bench)
     bench.requester_is_there = False
     gone = bench.tick
@@ -105,9 +101,8 @@ def test_a_requester_that_is_gone_renews_nothing_and_ends_it() -> None:
     ids=str,
 )
 def test_a_hold_of_another_one_or_moment_counts_for_nothing(
-    id_by: int, tick_by: float, epoch_by: int, instance: str
+    bench: Bench, id_by: int, tick_by: float, epoch_by: int, instance: str
 ) -> None:
-    bench = Bench()
     moving(bench)
     bench.requester_is_there = False
     for _ in range(25):
@@ -118,8 +113,7 @@ def test_a_hold_of_another_one_or_moment_counts_for_nothing(
 
 
 @pytest.mark.parametrize("requester_is_there", [True, False])
-def test_a_strangers_hold_binds_no_motion_even_if_it_is_the_first(requester_is_there: bool) -> None:
-    bench = Bench()
+def test_a_strangers_hold_binds_no_motion_even_if_it_is_the_first(bench: Bench, requester_is_there: bool) -> None:
     bench.requester_is_there = False
     assert bench.ask(MotionMove, distance=0.3).accepted
     for turn in range(100):
@@ -155,16 +149,14 @@ def test_a_part_of_the_robot_that_is_not_heard_is_named_before_and_meanwhile(bro
     assert bench.said[-1].source == "fault"
 
 
-def test_odometry_that_falls_silent_ends_it_within_a_third_of_a_second() -> None:
-    bench = Bench()
+def test_odometry_that_falls_silent_ends_it_within_a_third_of_a_second(bench: Bench) -> None:
     moving(bench)
     bench.odometry_is_there = False
     bench.run(0.34)
     assert ended(bench).outcome == "lost_odometry"
 
 
-def test_it_never_asks_while_somebody_has_the_robot() -> None:
-    bench = Bench()
+def test_it_never_asks_while_somebody_has_the_robot(bench: Bench) -> None:
     bench.holder = "keyboard-1"
     bench.run(0.1)
     answer = bench.ask(MotionMove, distance=1.0)
@@ -174,8 +166,7 @@ def test_it_never_asks_while_somebody_has_the_robot() -> None:
     assert bench.said == []
 
 
-def test_somebody_who_takes_the_robot_before_it_is_armed_ends_it() -> None:
-    bench = Bench()
+def test_somebody_who_takes_the_robot_before_it_is_armed_ends_it(bench: Bench) -> None:
     bench.base_arms = False
     assert bench.ask(MotionMove, distance=1.0).accepted
     bench.run(0.1)
@@ -184,8 +175,7 @@ def test_somebody_who_takes_the_robot_before_it_is_armed_ends_it() -> None:
     assert ended(bench).outcome == "lost_lease"
 
 
-def test_a_person_who_takes_the_robot_ends_it() -> None:
-    bench = Bench()
+def test_a_person_who_takes_the_robot_ends_it(bench: Bench) -> None:
     moving(bench)
     bench.holder = "joystick-1"
     state = ended(bench)
@@ -196,16 +186,14 @@ def test_a_person_who_takes_the_robot_ends_it() -> None:
     assert bench.state().achieved.x == before
 
 
-def test_a_lease_that_has_ended_is_not_asked_for_again() -> None:
-    bench = Bench()
+def test_a_lease_that_has_ended_is_not_asked_for_again(bench: Bench) -> None:
     moving(bench)
     bench.holder = ""
     state = ended(bench)
     assert (state.outcome, bench.holder) == ("lost_lease", "")
 
 
-def test_a_robot_that_is_disarmed_ends_it_and_says_why() -> None:
-    bench = Bench()
+def test_a_robot_that_is_disarmed_ends_it_and_says_why(bench: Bench) -> None:
     moving(bench)
     bench.disarmed = "emergency stop by a cat"
     state = ended(bench)
@@ -235,9 +223,8 @@ def test_a_motion_that_was_asked_for_before_a_release_does_not_begin_with_it(nam
     assert all(command.neutral for command in bench.said)
 
 
-def test_odometry_is_waited_for_until_it_moves() -> None:
+def test_odometry_is_waited_for_until_it_moves(bench: Bench) -> None:
     """A machine that stands still for a moment may lose nothing by it."""
-    bench = Bench()
     assert bench.ask(MotionMove, distance=0.3).accepted
     bench.odometry_is_there = False
     bench.run(1.0)
@@ -251,16 +238,14 @@ def test_odometry_is_waited_for_until_it_moves() -> None:
     assert all(command.neutral for command in bench.said[-50:])
 
 
-def test_a_robot_that_is_not_armed_in_time_ends_it() -> None:
-    bench = Bench()
+def test_a_robot_that_is_not_armed_in_time_ends_it(bench: Bench) -> None:
     bench.base_arms = False
     state = bench.do(MotionMove, distance=1.0)
     assert (state.outcome, str(state.reason)) == ("disarmed", "hold level to arm")
     assert all(command.neutral for command in bench.said)
 
 
-def test_a_blocked_way_is_waited_for_and_ends_it_with_the_sensor() -> None:
-    bench = Bench()
+def test_a_blocked_way_is_waited_for_and_ends_it_with_the_sensor(bench: Bench) -> None:
     moving(bench)
     bench.ways["forward"] = BLOCKED
     bench.run(0.6)
@@ -274,8 +259,7 @@ def test_a_blocked_way_is_waited_for_and_ends_it_with_the_sensor() -> None:
     assert state.achieved.x == pytest.approx(bench.floor.pose.x, abs=0.01)
 
 
-def test_a_way_that_is_free_again_is_gone_on() -> None:
-    bench = Bench()
+def test_a_way_that_is_free_again_is_gone_on(bench: Bench) -> None:
     bench.begin(MotionMove, distance=1.0)
     bench.run(1.0)
     bench.ways["forward"] = BLOCKED
@@ -314,8 +298,7 @@ def test_each_motion_heeds_the_way_it_goes(kind: type[MotionRequest], values: di
         (MotionGo, {"steps": (Move(distance=2.0), Turn(angle=1.0))}),
     ],
 )
-def test_a_cancel_stops_it_at_once(kind: type[MotionRequest], values: dict[str, Any]) -> None:
-    bench = Bench()
+def test_a_cancel_stops_it_at_once(bench: Bench, kind: type[MotionRequest], values: dict[str, Any]) -> None:
     bench.begin(kind, **values)
     bench.run(1.0)
     assert not bench.cancel(bench.asked + 1).accepted
@@ -361,22 +344,19 @@ def test_a_motion_that_takes_too_long_ends(breaks: Callable[[Bench], None], dist
     assert bench.floor.pose.x < 1.5
 
 
-def test_a_pose_that_is_set_meanwhile_ends_it() -> None:
-    bench = Bench()
+def test_a_pose_that_is_set_meanwhile_ends_it(bench: Bench) -> None:
     moving(bench)
     bench.odometry.on_reset(OdomReset(by="somebody", id=1))
     bench.step()
     assert ended(bench).outcome == "lost_odometry"
 
 
-def test_it_says_nothing_before_the_first_request() -> None:
-    bench = Bench()
+def test_it_says_nothing_before_the_first_request(bench: Bench) -> None:
     bench.run(1.0)
     assert (bench.said, bench.state().stage, bench.policy.has_news()) == ([], "idle", False)
 
 
-def test_each_stage_is_news_once() -> None:
-    bench = Bench()
+def test_each_stage_is_news_once(bench: Bench) -> None:
     assert bench.ask(MotionMove, distance=0.2).accepted
     stages: list[Stage] = []
     while not stages or stages[-1] != "ended":

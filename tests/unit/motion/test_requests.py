@@ -58,9 +58,8 @@ from tests.unit.motion.bench import Bench
     ],
 )
 def test_what_cannot_be_meant_is_refused_in_plain_words(
-    kind: type[MotionRequest], values: dict[str, Any], words: str
+    bench: Bench, kind: type[MotionRequest], values: dict[str, Any], words: str
 ) -> None:
-    bench = Bench()
     answer = bench.ask(kind, **values)
     assert not answer.accepted
     assert re.search(words, str(answer.reason)), answer.reason
@@ -68,8 +67,7 @@ def test_what_cannot_be_meant_is_refused_in_plain_words(
     assert bench.said == []
 
 
-def test_the_same_request_again_begins_nothing() -> None:
-    bench = Bench()
+def test_the_same_request_again_begins_nothing(bench: Bench) -> None:
     wish = bench.wish(MotionMove, distance=0.3)
     assert bench.policy.on_request(wish, bench.now).accepted
     assert bench.policy.on_request(wish, bench.now).accepted
@@ -83,8 +81,7 @@ def test_the_same_request_again_begins_nothing() -> None:
     assert (bench.state(), len(bench.said)) == (state, count)
 
 
-def test_an_old_request_that_nobody_remembers_begins_nothing() -> None:
-    bench = Bench()
+def test_an_old_request_that_nobody_remembers_begins_nothing(bench: Bench) -> None:
     old = bench.wish(MotionMove, distance=0.3)
     bench.run(1.2)
     answer = bench.policy.on_request(old, bench.now)
@@ -92,8 +89,7 @@ def test_an_old_request_that_nobody_remembers_begins_nothing() -> None:
     assert "it was wished 1.2 s ago" in str(answer.reason)
 
 
-def test_what_is_told_of_who_has_asked_is_not_longer_than_a_name() -> None:
-    bench = Bench()
+def test_what_is_told_of_who_has_asked_is_not_longer_than_a_name(bench: Bench) -> None:
     bench.begin(MotionMove, distance=1.0, by="a" * 60_000)
     assert bench.state().by == "a" * 100
     bench.policy.on_cancel(MotionCancel(by="a" * 60_000), bench.now)
@@ -107,16 +103,14 @@ def test_a_request_with_a_word_that_is_not_known_is_none() -> None:
         msgspec.convert(wish | {"sped": 0.1}, MotionMove)
 
 
-def test_it_is_refused_while_nobody_tells_who_drives() -> None:
-    bench = Bench()
+def test_it_is_refused_while_nobody_tells_who_drives(bench: Bench) -> None:
     bench.lease_is_told = False
     bench.run(1.2)
     answer = bench.ask(MotionMove, distance=1.0)
     assert (answer.accepted, "the guard is not heard" in str(answer.reason)) == (False, True)
 
 
-def test_one_motion_at_a_time() -> None:
-    bench = Bench()
+def test_one_motion_at_a_time(bench: Bench) -> None:
     bench.begin(MotionMove, distance=5.0)
     answer = bench.ask(MotionTurn, angle=1.0)
     assert not answer.accepted

@@ -42,6 +42,11 @@ NOISE = st.binary(min_size=1, max_size=80)
 TORN = st.tuples(ENCODED, st.integers(1, 40)).map(lambda drawn: drawn[0][: drawn[1]] + b"\0")
 
 
+@pytest.fixture
+def loop() -> FakeLoop:
+    return FakeLoop()
+
+
 @given(ENCODED, st.integers(0, 60), st.binary(max_size=20))
 def test_what_is_missing_is_known_with_the_second_byte(encoded: bytes, split: int, before: bytes) -> None:
     decoder = Decoder()
@@ -57,9 +62,8 @@ def test_of_what_is_no_frame_nothing_is_missing(data: bytes) -> None:
 
 
 @pytest.mark.parametrize("first", range(1, 12))
-def test_a_report_in_lumps_of_a_millisecond_wakes_three_times_and_makes_one_turn(first: int) -> None:
+def test_a_report_in_lumps_of_a_millisecond_wakes_three_times_and_makes_one_turn(loop: FakeLoop, first: int) -> None:
     """`first`: bytes in the first lump. Of one that is alone nothing is known."""
-    loop = FakeLoop()
     for number in range(20):
         loop.line.coming += carried(REPORT, START + number * PERIOD - (first + 0.5) * BYTE, LUMP)
     loop.run(START + 0.25)
@@ -68,8 +72,7 @@ def test_a_report_in_lumps_of_a_millisecond_wakes_three_times_and_makes_one_turn
     assert loop.turns == 20
 
 
-def test_a_report_byte_by_byte_wakes_three_times_and_makes_one_turn() -> None:
-    loop = FakeLoop()
+def test_a_report_byte_by_byte_wakes_three_times_and_makes_one_turn(loop: FakeLoop) -> None:
     for number in range(20):
         loop.line.coming += carried(REPORT, START + number * PERIOD)
     loop.run(START + 0.25)
@@ -78,8 +81,7 @@ def test_a_report_byte_by_byte_wakes_three_times_and_makes_one_turn() -> None:
     assert loop.turns == 20
 
 
-def test_a_port_that_is_pulled_out_makes_a_turn_and_its_frames_are_gone() -> None:
-    loop = FakeLoop()
+def test_a_port_that_is_pulled_out_makes_a_turn_and_its_frames_are_gone(loop: FakeLoop) -> None:
     loop.line.now, loop.line.coming = START, [(START, REPORT)]
     assert loop.link.ready(START)
     loop.line.is_there = False
@@ -133,8 +135,7 @@ def half(loop: FakeLoop) -> float:
     return START + loop.link.wait(START)
 
 
-def test_a_board_that_hangs_in_mid_frame_is_watched_and_costs_nothing() -> None:
-    loop = FakeLoop()
+def test_a_board_that_hangs_in_mid_frame_is_watched_and_costs_nothing(loop: FakeLoop) -> None:
     over = half(loop)
     loop.run(over + 0.5)
     assert loop.wakes == 1
@@ -145,8 +146,7 @@ def test_a_board_that_hangs_in_mid_frame_is_watched_and_costs_nothing() -> None:
     assert loop.took == [(over + 0.6 + LATE, WHEELS)]
 
 
-def test_a_board_that_stays_silent_in_mid_frame_is_found_silent() -> None:
-    loop = FakeLoop()
+def test_a_board_that_stays_silent_in_mid_frame_is_found_silent(loop: FakeLoop) -> None:
     half(loop)
     loop.run(SILENCE + 0.15)
     assert "silent" in str(loop.link.fault)
@@ -155,8 +155,7 @@ def test_a_board_that_stays_silent_in_mid_frame_is_found_silent() -> None:
     assert loop.wakes == 1
 
 
-def test_another_turn_takes_what_is_there_and_the_rest_goes_on() -> None:
-    loop = FakeLoop()
+def test_another_turn_takes_what_is_there_and_the_rest_goes_on(loop: FakeLoop) -> None:
     over = half(loop)
     loop.line.coming = [(START, REPORT[25:30])]
     assert loop.poll(START + 1e-3) == []
@@ -167,8 +166,7 @@ def test_another_turn_takes_what_is_there_and_the_rest_goes_on() -> None:
     assert loop.link.descriptor() is not None
 
 
-def test_a_port_that_is_pulled_out_meanwhile_and_is_back_is_watched() -> None:
-    loop = FakeLoop()
+def test_a_port_that_is_pulled_out_meanwhile_and_is_back_is_watched(loop: FakeLoop) -> None:
     over = half(loop)
     loop.line.is_there = False
     assert loop.poll(START + 1e-3) == []
@@ -183,8 +181,7 @@ def test_a_port_that_is_pulled_out_meanwhile_and_is_back_is_watched() -> None:
     assert loop.frames == [HELLO, WHEELS]
 
 
-def test_a_port_that_is_opened_anew_before_the_rest_is_over_does_not_rest() -> None:
-    loop = FakeLoop()
+def test_a_port_that_is_opened_anew_before_the_rest_is_over_does_not_rest(loop: FakeLoop) -> None:
     half(loop)
     loop.line.close(Trouble("for a moment"))
     loop.poll(START + 1e-3)

@@ -58,8 +58,12 @@ def pose(odometry: Odometry) -> tuple[float, float, float]:
     return odometry.x, odometry.y, odometry.yaw
 
 
-def test_a_reset_begins_anew_here() -> None:
-    odometry = driven(*WAY)
+@pytest.fixture
+def odometry() -> OdometryPolicy:
+    return driven(*WAY)
+
+
+def test_a_reset_begins_anew_here(odometry: OdometryPolicy) -> None:
     assert odometry.on_reset(reset()) == OdomAnswer(done=True, jumps=1)
     now = onward(odometry, 1, moves=False)
     assert (*pose(now), now.path) == (0.0,) * 4
@@ -67,8 +71,7 @@ def test_a_reset_begins_anew_here() -> None:
     assert (now.jumps, odometry.breaks, odometry.notice) == (1, 0, WELL)
 
 
-def test_a_pose_that_was_set_is_gone_on_from_and_the_path_is_kept() -> None:
-    odometry = driven(*WAY)
+def test_a_pose_that_was_set_is_gone_on_from_and_the_path_is_kept(odometry: OdometryPolicy) -> None:
     path = odometry.estimate.path
     assert odometry.on_set_pose(there(position_sd=0.05, yaw_sd=0.1)) == OdomAnswer(done=True, jumps=1)
     now = onward(odometry, 1, moves=False)
@@ -77,8 +80,7 @@ def test_a_pose_that_was_set_is_gone_on_from_and_the_path_is_kept() -> None:
     assert now.covariance == pytest.approx((0.0025, 0.0, 0.0, 0.0025, 0.0, 0.01))
 
 
-def test_what_is_given_for_sure_is_sure() -> None:
-    odometry = driven(*WAY)
+def test_what_is_given_for_sure_is_sure(odometry: OdometryPolicy) -> None:
     odometry.on_set_pose(there())
     assert onward(odometry, 1, moves=False).covariance == (0.0,) * 6
 
@@ -98,8 +100,7 @@ def test_the_same_wish_asked_again_does_nothing_and_is_answered(wish: OdomReset 
     assert (odometry.estimate.x, odometry.estimate.y) == (before.x, before.y)
 
 
-def test_each_wish_is_a_jump_of_its_own() -> None:
-    odometry = driven(*WAY)
+def test_each_wish_is_a_jump_of_its_own(odometry: OdometryPolicy) -> None:
     answers = [odometry.on_reset(reset()), odometry.on_set_pose(there()), odometry.on_reset(reset())]
     assert [answer.jumps for answer in answers] == [1, 2, 3]
 

@@ -58,6 +58,11 @@ DRIVING = reports([(10, 14)] * 50)
 """Half a second forward in a left bend."""
 
 
+@pytest.fixture
+def odometry() -> OdometryPolicy:
+    return policy()
+
+
 def test_it_starts_at_zero_wherever_the_counters_stand() -> None:
     start = followed(policy(), wheels(123456, -99, 77, boot_id=9))
     assert (*pose(start), start.linear_x, start.angular_z, start.path) == (0.0,) * 6
@@ -198,16 +203,14 @@ def test_an_encoder_that_flickers_at_rest_is_no_speed_and_no_doubt() -> None:
     assert pose(after) == pytest.approx(pose(before), abs=0.002)
 
 
-def test_a_few_lost_samples_are_no_gap() -> None:
-    odometry = policy()
+def test_a_few_lost_samples_are_no_gap(odometry: OdometryPolicy) -> None:
     whole = followed(policy(), *DRIVING)
     thinned = followed(odometry, *DRIVING[::10])
     assert pose(thinned) == pytest.approx(pose(whole), abs=1e-9)
     assert odometry.breaks == 0
 
 
-def test_repeated_and_late_samples_count_for_nothing() -> None:
-    odometry = policy()
+def test_repeated_and_late_samples_count_for_nothing(odometry: OdometryPolicy) -> None:
     before = followed(odometry, *DRIVING)
     for sample in (DRIVING[-1], DRIVING[-2], DRIVING[0], wheels(9999, 9999, -5)):
         assert odometry.on_wheels(sample) is None
@@ -283,8 +286,7 @@ def test_speeds_are_the_boards_own() -> None:
     assert (answer.linear_x, answer.angular_z) == pytest.approx((0.247, 0.2))
 
 
-def test_a_speed_that_no_wheel_can_have_is_not_believed_and_the_travel_is_gone_by() -> None:
-    odometry = policy()
+def test_a_speed_that_no_wheel_can_have_is_not_believed_and_the_travel_is_gone_by(odometry: OdometryPolicy) -> None:
     answer = followed(odometry, wheels(), wheels(10, 10, PERIOD_US, speeds=(0.5, -1.6)))
     assert (answer.linear_x, answer.angular_z) == pytest.approx((0.5, 0.0))
     assert "max_wheel_speed" in str(odometry.notice)

@@ -80,6 +80,11 @@ def estop(*, engaged: bool, latch: int = 3) -> EStop:
     return EStop(instance="base", engaged=engaged, id=latch, by="somebody")
 
 
+@pytest.fixture
+def rviz() -> Rviz:
+    return Rviz()
+
+
 def test_all_calls_that_wait_are_one_stop_and_are_answered_when_base_has_confirmed() -> None:
     robot, calls = Robot(), [Call(), Call()]
     stops = StopCalls(robot, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
@@ -198,9 +203,8 @@ class Rviz:
     ],
 )
 def test_a_goal_is_driven_to_and_then_turned_as_it_says(
-    goal: tuple[float, float, float], steps: tuple[Any, ...]
+    rviz: Rviz, goal: tuple[float, float, float], steps: tuple[Any, ...]
 ) -> None:
-    rviz = Rviz()
     rviz.give(*goal)
     (request,) = rviz.run()
     assert isinstance(request, MotionGo)
@@ -213,8 +217,7 @@ def test_a_goal_is_driven_to_and_then_turned_as_it_says(
     assert rviz.goals.is_active
 
 
-def test_a_goal_of_nobody_who_is_there_is_refused() -> None:
-    rviz = Rviz()
+def test_a_goal_of_nobody_who_is_there_is_refused(rviz: Rviz) -> None:
     goal = PoseStamped(Header(Time(0, 0), "odom"), Pose(Point(2.0, 0.0, 0.0), Quaternion(0.0, 0.0, 0.0, 1.0)))
     rviz.goals.on_goal(Received(GOAL_POSE, goal, b"", 0, rviz.now), None, rviz.now)
     assert rviz.run() == []
@@ -222,8 +225,7 @@ def test_a_goal_of_nobody_who_is_there_is_refused() -> None:
     assert rviz.goals.trouble.remedy.startswith("drive by a program on rmw_zenoh_cpp")
 
 
-def test_where_it_is_already_nothing_is_asked() -> None:
-    rviz = Rviz()
+def test_where_it_is_already_nothing_is_asked(rviz: Rviz) -> None:
     rviz.give(1.0, 0.01)
     assert rviz.run() == []
     assert not rviz.goals.is_active
@@ -241,16 +243,14 @@ def test_where_it_is_already_nothing_is_asked() -> None:
         ({"x": 2.0, "y": 0.0, "turned": Quaternion(0.4, 0.0, 0.0, 0.92)}, "no turn on the floor"),
     ],
 )
-def test_a_goal_that_cannot_be_is_refused(goal: dict[str, Any], why: str) -> None:
-    rviz = Rviz()
+def test_a_goal_that_cannot_be_is_refused(rviz: Rviz, goal: dict[str, Any], why: str) -> None:
     rviz.give(**goal)
     assert rviz.run() == []
     assert not rviz.goals.is_active
     assert why in str(rviz.goals.trouble)
 
 
-def test_a_goal_waits_until_nobody_drives_and_no_longer_than_3_s() -> None:
-    rviz = Rviz()
+def test_a_goal_waits_until_nobody_drives_and_no_longer_than_3_s(rviz: Rviz) -> None:
     rviz.give(2.0, 0.0)
     assert rviz.run(1.0, driver="ros2") == []
     assert len(rviz.run()) == 1
@@ -268,8 +268,7 @@ def test_a_goal_waits_until_nobody_drives_and_no_longer_than_3_s() -> None:
         *("suspended", "suspended while it waits"),
     ],
 )
-def test_a_goal_of_long_ago_moves_nothing(moment: str) -> None:
-    rviz = Rviz()
+def test_a_goal_of_long_ago_moves_nothing(rviz: Rviz, moment: str) -> None:
     rviz.run()
     rviz.is_heard = "not heard" not in moment
     if moment == "frozen before":  # it has waited in the network
@@ -293,8 +292,7 @@ def test_a_goal_of_long_ago_moves_nothing(moment: str) -> None:
     assert len(rviz.run()) == 1
 
 
-def test_a_goal_that_is_later_than_those_before_it_moves_nothing() -> None:
-    rviz = Rviz()
+def test_a_goal_that_is_later_than_those_before_it_moves_nothing(rviz: Rviz) -> None:
     rviz.give(1.0, 0.0)  # it is there
     for held_for, asks in ((60.0, 0), (0.25, 0), (0.1, 1)):
         rviz.give(2.0, 0.0, held_for=held_for)
@@ -303,8 +301,7 @@ def test_a_goal_that_is_later_than_those_before_it_moves_nothing() -> None:
 
 
 @pytest.mark.parametrize("asleep", [0.34, 2.0])
-def test_a_goal_counts_of_a_process_alone_that_was_awake_for_a_second_before_it(asleep: float) -> None:
-    rviz = Rviz()
+def test_a_goal_counts_of_a_process_alone_that_was_awake_for_a_second_before_it(rviz: Rviz, asleep: float) -> None:
     for _ in range(20):
         rviz.is_frozen = True
         assert rviz.run(asleep) == []
@@ -327,8 +324,7 @@ def test_a_process_that_nobody_asks_is_not_awake() -> None:
     assert [answers.prompt_since(now) for now in (2.3, 2.31)] == [2.0, math.inf]
 
 
-def test_a_goal_of_a_process_that_answers_nothing_is_refused() -> None:
-    rviz = Rviz()
+def test_a_goal_of_a_process_that_answers_nothing_is_refused(rviz: Rviz) -> None:
     rviz.answers, rviz.is_frozen = Answers(), True
     rviz.run(2.0)
     rviz.give(2.0, 0.0)
@@ -339,8 +335,7 @@ def test_a_goal_of_a_process_that_answers_nothing_is_refused() -> None:
 @pytest.mark.parametrize(
     ("state", "silent_s", "asks"), [("localized", 0.9, 1), ("localized", 1.1, 0), ("lost", 0.0, 0)]
 )
-def test_no_goal_is_begun_by_a_guess_of_where_the_robot_is(state: Any, silent_s: float, asks: int) -> None:
-    rviz = Rviz()
+def test_no_goal_is_begun_by_a_guess_of_where_the_robot_is(rviz: Rviz, state: Any, silent_s: float, asks: int) -> None:
     place: dict[str, Any] = {"x": 1.0, "y": 0.0, "yaw": 0.0, "covariance": (0.0,) * 6, "candidates": (), "tick": None}
     place |= {"odom": PlanarPose(x=0.0, y=0.0, yaw=0.0), "explained": 1.0, "way": 0.0, "particles": 9}
     rviz.goals.on_sample(MapPose(state="localized", map="home", **place), rviz.now)
@@ -351,8 +346,7 @@ def test_no_goal_is_begun_by_a_guess_of_where_the_robot_is(state: Any, silent_s:
     assert bool(rviz.goals.trouble) is not bool(asks)
 
 
-def test_it_is_held_while_it_goes_on_and_its_end_is_told_unless_it_arrived() -> None:
-    rviz = Rviz()
+def test_it_is_held_while_it_goes_on_and_its_end_is_told_unless_it_arrived(rviz: Rviz) -> None:
     request = rviz.drive()
     assert rviz.robot.held
     assert {hold.id for hold in rviz.robot.held} == {request.id}
@@ -369,8 +363,7 @@ def test_it_is_held_while_it_goes_on_and_its_end_is_told_unless_it_arrived() -> 
     assert not rviz.goals.trouble
 
 
-def test_why_motion_refuses_a_goal_is_told() -> None:
-    rviz = Rviz()
+def test_why_motion_refuses_a_goal_is_told(rviz: Rviz) -> None:
     rviz.give(9.0, 9.0)
     rviz.run()
     rviz.robot.asked[-1].answers.append(MotionAnswer(accepted=False, reason=Trouble("(9, 9) is off the map")))
@@ -379,8 +372,7 @@ def test_why_motion_refuses_a_goal_is_told() -> None:
     assert "not driven to: (9, 9) is off the map" in str(rviz.goals.trouble)
 
 
-def test_a_new_goal_takes_the_place_of_the_old_one() -> None:
-    rviz = Rviz()
+def test_a_new_goal_takes_the_place_of_the_old_one(rviz: Rviz) -> None:
     old = rviz.drive()
     rviz.give(5.0, 0.0)
     (cancel,) = rviz.robot.asked[-1:]

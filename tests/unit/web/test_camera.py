@@ -80,8 +80,12 @@ class Desk:
         return self.source
 
 
-def test_nobody_looks_until_a_person_switches_it_on_and_then_all_who_do_are_named() -> None:
-    desk = Desk()
+@pytest.fixture
+def desk() -> Desk:
+    return Desk()
+
+
+def test_nobody_looks_until_a_person_switches_it_on_and_then_all_who_do_are_named(desk: Desk) -> None:
     assert desk.turn() == []
     assert desk.sources == []
     desk.it.switch(1, PHONE, on=True)
@@ -96,8 +100,7 @@ def test_nobody_looks_until_a_person_switches_it_on_and_then_all_who_do_are_name
     assert desk.turn() == []
 
 
-def test_one_picture_is_under_way_to_a_page_and_the_next_is_the_newest() -> None:
-    desk = Desk()
+def test_one_picture_is_under_way_to_a_page_and_the_next_is_the_newest(desk: Desk) -> None:
     desk.it.switch(1, PHONE, on=True)
     assert [desk.turn() for _ in range(4)] == [[1], [], [], []]
     desk.it.on_seen(1, 99, desk.now)
@@ -109,8 +112,7 @@ def test_one_picture_is_under_way_to_a_page_and_the_next_is_the_newest() -> None
     assert second[16:] == b"jpeg 6"
 
 
-def test_it_begins_small_grows_where_all_confirm_quickly_and_shrinks_for_one_that_does_not() -> None:
-    desk = Desk()
+def test_it_begins_small_grows_where_all_confirm_quickly_and_shrinks_for_one_that_does_not(desk: Desk) -> None:
     desk.it.switch(1, PHONE, on=True)
     desk.it.switch(2, LAPTOP, on=True)
     for _ in range(5):
@@ -132,8 +134,7 @@ def test_it_begins_small_grows_where_all_confirm_quickly_and_shrinks_for_one_tha
     assert [*desk.source.wanted][-1:] == ["small"], "it rests for a while"
 
 
-def test_a_page_that_shows_nothing_and_a_camera_that_was_started_anew_end_it_with_the_way_out() -> None:
-    desk = Desk()
+def test_a_page_that_shows_nothing_and_a_camera_that_was_started_anew_end_it_with_the_way_out(desk: Desk) -> None:
     desk.it.switch(1, PHONE, on=True)
     desk.turn()
     desk.turn(SILENT + 0.1)
@@ -149,8 +150,7 @@ def test_a_page_that_shows_nothing_and_a_camera_that_was_started_anew_end_it_wit
     assert desk.told[-1] == (1, Looking(on=False, why="the camera was started anew; tap to see it again"))
 
 
-def test_taps_open_one_source_a_second() -> None:
-    desk = Desk()
+def test_taps_open_one_source_a_second(desk: Desk) -> None:
     for _ in range(40):
         desk.it.switch(1, PHONE, on=True)
         desk.turn()
@@ -159,8 +159,7 @@ def test_taps_open_one_source_a_second() -> None:
     assert desk.source.is_closed
 
 
-def test_every_page_is_told_who_looks_and_what_is_wrong() -> None:
-    desk = Desk()
+def test_every_page_is_told_who_looks_and_what_is_wrong(desk: Desk) -> None:
     asker = Asker(instance="x", by="view@laptop", size="small")
     state = msgspec.structs.replace(STATE, askers=(asker,), reason=Trouble("it is unplugged", "plug it in"))
     desk.it.on_state(state, 20.0)

@@ -50,6 +50,11 @@ def odometry(x: float, **fields: int) -> Odometry:
     )
 
 
+@pytest.fixture
+def shown() -> Shown:
+    return Shown()
+
+
 def test_what_is_not_heard_is_not_shown() -> None:
     state = Shown().at(0.1)
     assert (state.armed, state.stop, state.directions, state.pose, state.battery) == (None,) * 5
@@ -67,8 +72,7 @@ def test_a_page_draws_the_sensors_that_the_robot_has_as_it_says() -> None:
     assert heard == {first: (0.3, 0.8)} | dict.fromkeys(others, (HC_SR04.half_cone, HC_SR04.reach))
 
 
-def test_how_a_robot_balances_is_shown_with_its_wheels_and_of_no_other_robot() -> None:
-    shown = Shown()
+def test_how_a_robot_balances_is_shown_with_its_wheels_and_of_no_other_robot(shown: Shown) -> None:
     shown.picture.take(odometry(1.0), 0.0)
     assert shown.at(0.1).balance is None
     shown.picture.take(attitude(0), 0.0)
@@ -78,14 +82,12 @@ def test_how_a_robot_balances_is_shown_with_its_wheels_and_of_no_other_robot() -
     assert shown.at(STALE + 0.1).balance is None
 
 
-def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost() -> None:
-    shown = Shown()
+def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost(shown: Shown) -> None:
     assert shown.at(0.1).tick == ("7", str(1 << 62))
     assert shown.at(1.0).tick is None
 
 
-def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
-    shown = Shown()
+def test_all_that_is_heard_is_shown_as_long_as_it_is_new(shown: Shown) -> None:
     latch = EStop(instance="base", engaged=False, id=1, by="x")
     here = PlanarPose(x=0.0, y=0.0, yaw=0.0)
     place = MapPose(
@@ -102,8 +104,7 @@ def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
     assert (old.armed, old.stop, old.directions, old.pose, old.battery, old.map) == (None,) * 6
 
 
-def test_a_sensor_that_is_silent_is_told_so() -> None:
-    shown = Shown()
+def test_a_sensor_that_is_silent_is_told_so(shown: Shown) -> None:
     name = next(iter(ROBOT.sensors))
     reading = Range(instance="r", sensor=name, state="echo", range=0.8, echo_us=1, tick=TICK)
     shown.picture.take(reading, 0.0)
@@ -114,8 +115,7 @@ def test_a_sensor_that_is_silent_is_told_so() -> None:
     assert shown.at(STALE + 0.1).ranges[name].state == "silent"
 
 
-def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set() -> None:
-    shown = Shown()
+def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set(shown: Shown) -> None:
     for step in range(3000):
         shown.picture.take(odometry(step * 0.04), 0.0)
         shown.picture.take(odometry(step * 0.04 + 0.01), 0.0)
@@ -134,8 +134,7 @@ def test_the_room_fits_until_odometry_begins_anew_or_its_pose_is_set() -> None:
         assert (shown.at(0.1).room_fits, late.at(0.1).room_fits) == (False, later.jumps == 0)
 
 
-def test_numbers_that_a_page_cannot_hold_are_texts() -> None:
-    shown = Shown()
+def test_numbers_that_a_page_cannot_hold_are_texts(shown: Shown) -> None:
     latch = EStop(
         instance="base",
         engaged=True,
@@ -160,8 +159,7 @@ def test_whose_word_a_stop_is_stands_beside_it(is_open: bool, word: str) -> None
     assert state.stop.word == word
 
 
-def test_who_drives_is_named() -> None:
-    shown = Shown()
+def test_who_drives_is_named(shown: Shown) -> None:
     shown.policy.operator.on_lease(
         Lease(instance="g", holder="x", operator="joystick", counter=1, reason=Trouble("joystick drives"))
     )

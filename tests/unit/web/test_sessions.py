@@ -11,7 +11,8 @@ from giraff_web.sessions import MOST_SESSIONS, SESSION_LIFE, WRONG, Denied, Gran
 PHONE, LAPTOP = "Android phone at 10.0.0.7", "Firefox on Linux at 10.0.0.8"
 
 
-def sessions() -> Sessions:
+@pytest.fixture
+def it() -> Sessions:
     numbers = count()
     return Sessions(lambda: f"secret-{next(numbers)}")
 
@@ -29,8 +30,7 @@ def denied(of: Sessions, token: str, address: str = "10.0.0.8", now: float = 0.0
     return got
 
 
-def test_a_token_begins_a_session_and_another_is_open() -> None:
-    it = sessions()
+def test_a_token_begins_a_session_and_another_is_open(it: Sessions) -> None:
     first = it.token
     cookie = granted(it)
     assert it.token not in (first, cookie)
@@ -42,9 +42,8 @@ def test_a_token_begins_a_session_and_another_is_open() -> None:
 @pytest.mark.parametrize(
     ("after", "told"), [(0.0, "0 s ago"), (59.9, "59 s ago"), (180.0, "3 min ago"), (7300, "2 h ago")]
 )
-def test_a_used_token_is_refused_by_the_name_of_its_user_and_when(after: float, told: str) -> None:
+def test_a_used_token_is_refused_by_the_name_of_its_user_and_when(it: Sessions, after: float, told: str) -> None:
     """Its user is refused as well: another device may have the same name and address."""
-    it = sessions()
     token = it.token
     granted(it)
     for device, address in ((LAPTOP, "10.0.0.8"), (PHONE, "10.0.0.7")):
@@ -53,8 +52,7 @@ def test_a_used_token_is_refused_by_the_name_of_its_user_and_when(after: float, 
         assert got.why == f"this address was used {told} by {PHONE}; open the one that the page service shows now"
 
 
-def test_a_cookie_is_no_token_and_a_token_no_cookie() -> None:
-    it = sessions()
+def test_a_cookie_is_no_token_and_a_token_no_cookie(it: Sessions) -> None:
     token = it.token
     assert it.device(token, 0.0) == ""
     cookie = granted(it)
@@ -63,12 +61,11 @@ def test_a_cookie_is_no_token_and_a_token_no_cookie() -> None:
 
 
 @pytest.mark.parametrize("token", ["", "x", "secret-00", "\ud800", "x" * 100_000, "secret-0\n"])
-def test_a_wrong_one_is_told_the_way_out(token: str) -> None:
-    assert denied(sessions(), token) == Denied(WRONG, tell=True)
+def test_a_wrong_one_is_told_the_way_out(it: Sessions, token: str) -> None:
+    assert denied(it, token) == Denied(WRONG, tell=True)
 
 
-def test_after_five_wrong_ones_within_a_minute_even_the_right_one_waits() -> None:
-    it = sessions()
+def test_after_five_wrong_ones_within_a_minute_even_the_right_one_waits(it: Sessions) -> None:
     for second in range(5):
         assert denied(it, "wrong", now=float(second)).why == WRONG
     got = denied(it, it.token, now=10.5)
@@ -78,37 +75,32 @@ def test_after_five_wrong_ones_within_a_minute_even_the_right_one_waits() -> Non
     assert isinstance(it.redeem(it.token, LAPTOP, "10.0.0.8", 60.0), Granted)
 
 
-def test_the_window_slides() -> None:
-    it = sessions()
+def test_the_window_slides(it: Sessions) -> None:
     for second in (0.0, 50.0, 51.0, 52.0, 53.0, 60.5):
         assert denied(it, "wrong", now=second).why == WRONG
     assert denied(it, "wrong", now=61.0).wait == 49.0
 
 
-def test_a_used_token_is_no_guess() -> None:
-    it = sessions()
+def test_a_used_token_is_no_guess(it: Sessions) -> None:
     token = it.token
     granted(it)
     assert {denied(it, token).wait for _ in range(20)} == {0.0}
 
 
-def test_a_flood_is_logged_once_a_second_for_each_address() -> None:
-    it = sessions()
+def test_a_flood_is_logged_once_a_second_for_each_address(it: Sessions) -> None:
     moments = [each * 0.1 for each in range(31)]
     assert sum(denied(it, "wrong", now=moment).tell for moment in moments) == 4
     assert denied(it, "wrong", address="10.0.0.9", now=3.0).tell
 
 
-def test_guesses_of_many_addresses_take_no_more_room() -> None:
-    it = sessions()
+def test_guesses_of_many_addresses_take_no_more_room(it: Sessions) -> None:
     for number in range(5000):
         denied(it, "wrong", address=f"10.1.{number // 256}.{number % 256}")
     guesses = it._guesses
     assert len(guesses._wrong) == len(guesses._told) == 1024
 
 
-def test_used_tokens_and_sessions_take_no_more_room() -> None:
-    it = sessions()
+def test_used_tokens_and_sessions_take_no_more_room(it: Sessions) -> None:
     first = it.token
     cookies = [granted(it, now=float(number)) for number in range(200)]
     assert len(it._used) == 64
@@ -116,24 +108,21 @@ def test_used_tokens_and_sessions_take_no_more_room() -> None:
     assert sum(bool(it.device(cookie, 200.0)) for cookie in cookies) == MOST_SESSIONS
 
 
-def test_the_session_that_was_unused_longest_ends() -> None:
-    it = sessions()
+def test_the_session_that_was_unused_longest_ends(it: Sessions) -> None:
     cookies = [granted(it) for _ in range(MOST_SESSIONS)]
     assert it.device(cookies[0], 1.0) == PHONE
     granted(it)
     assert (it.device(cookies[0], 1.0), it.device(cookies[1], 1.0)) == (PHONE, "")
 
 
-def test_a_session_ends_after_twelve_hours() -> None:
-    it = sessions()
+def test_a_session_ends_after_twelve_hours(it: Sessions) -> None:
     cookie = granted(it, now=5.0)
     assert SESSION_LIFE == 12 * 3600.0
     assert it.device(cookie, 4.9 + SESSION_LIFE) == PHONE
     assert it.device(cookie, 5.0 + SESSION_LIFE) == ""
 
 
-def test_neither_cookie_nor_used_token_is_kept() -> None:
-    it = sessions()
+def test_neither_cookie_nor_used_token_is_kept(it: Sessions) -> None:
     token = it.token
     cookie = granted(it)
     kept = repr((it._sessions, it._used))
@@ -141,8 +130,7 @@ def test_neither_cookie_nor_used_token_is_kept() -> None:
     assert cookie not in kept
 
 
-def test_an_ended_session_drives_no_more_and_no_other_ends_with_it() -> None:
-    it = sessions()
+def test_an_ended_session_drives_no_more_and_no_other_ends_with_it(it: Sessions) -> None:
     cookie, other = granted(it), granted(it, LAPTOP)
     it.end(cookie)
     it.end("")

@@ -57,8 +57,12 @@ class Base:
         self.stops.on_estop(state, now)
 
 
-def test_it_asks_until_base_confirms() -> None:
-    base = Base()
+@pytest.fixture
+def base() -> Base:
+    return Base()
+
+
+def test_it_asks_until_base_confirms(base: Base) -> None:
     base.stops.stop("phone", 0.0)
     assert [asked.what for asked in base.asked] == ["phone"]
     for n in range(5):
@@ -72,8 +76,7 @@ def test_it_asks_until_base_confirms() -> None:
     assert not base.stops.asked
 
 
-def test_while_it_is_latched_further_ones_are_answered_by_bases_state() -> None:
-    base = Base()
+def test_while_it_is_latched_further_ones_are_answered_by_bases_state(base: Base) -> None:
     base.says(0.0, engaged=True)
     for n in range(100):
         base.stops.stop("phone", n * 0.01)
@@ -81,8 +84,7 @@ def test_while_it_is_latched_further_ones_are_answered_by_bases_state() -> None:
     assert not base.stops.asked
 
 
-def test_a_stop_is_confirmed_when_base_says_that_it_stands_and_never_by_an_old_word() -> None:
-    base = Base()
+def test_a_stop_is_confirmed_when_base_says_that_it_stands_and_never_by_an_old_word(base: Base) -> None:
     base.says(0.0, engaged=False)
     base.stops.stop("phone", 0.1)
     base.says(0.2, engaged=True)
@@ -100,8 +102,7 @@ def test_a_stop_is_confirmed_when_base_says_that_it_stands_and_never_by_an_old_w
     assert base.stops.confirmed(0.6) is None
 
 
-def test_a_stop_that_meets_a_reset_on_its_way_is_asked_for_after_all() -> None:
-    base = Base()
+def test_a_stop_that_meets_a_reset_on_its_way_is_asked_for_after_all(base: Base) -> None:
     base.says(0.0, engaged=True)
     base.stops.stop("phone", 0.1)
     base.says(0.2, engaged=False)
@@ -111,17 +112,15 @@ def test_a_stop_that_meets_a_reset_on_its_way_is_asked_for_after_all() -> None:
 
 
 @pytest.mark.parametrize("heard", [0.2, 2.0, 9.0])
-def test_one_that_base_is_silent_about_stands_until_it_is_heard(heard: float) -> None:
+def test_one_that_base_is_silent_about_stands_until_it_is_heard(base: Base, heard: float) -> None:
     """The word that answered it may be of before a release: the link was cut, or base's disk was slow."""
-    base = Base()
     base.says(0.0, engaged=True)
     base.stops.stop("phone", 0.1)
     base.says(heard, engaged=False)
     assert [asked.what for asked in base.asked] == ["phone"]
 
 
-def test_one_that_was_answered_does_not_stop_what_is_released_later() -> None:
-    base = Base()
+def test_one_that_was_answered_does_not_stop_what_is_released_later(base: Base) -> None:
     base.says(0.0, engaged=True)
     base.stops.stop("phone", 0.1)
     base.says(2.7, engaged=True)
@@ -130,8 +129,7 @@ def test_one_that_was_answered_does_not_stop_what_is_released_later() -> None:
 
 
 @pytest.mark.parametrize(("again", "asked"), [("phone", 1), ("laptop", 2)])
-def test_a_page_says_each_stop_twice_and_whoever_saw_it_may_release_it(again: str, asked: int) -> None:
-    base = Base()
+def test_a_page_says_each_stop_twice_and_whoever_saw_it_may_release_it(base: Base, again: str, asked: int) -> None:
     base.stops.stop("phone", 0.0)
     base.asked[0].answer = STOPPED
     base.says(0.1, engaged=True)
@@ -141,8 +139,7 @@ def test_a_page_says_each_stop_twice_and_whoever_saw_it_may_release_it(again: st
     assert len(base.asked) == asked
 
 
-def test_who_releases_on_a_page_knows_of_the_stop() -> None:
-    base = Base()
+def test_who_releases_on_a_page_knows_of_the_stop(base: Base) -> None:
     base.says(0.0, engaged=True)
     base.stops.stop("phone", 0.1)
     base.stops.reset("phone", RESET, 0.5)
@@ -150,8 +147,7 @@ def test_who_releases_on_a_page_knows_of_the_stop() -> None:
     assert [asked.what for asked in base.asked] == [RESET]
 
 
-def test_what_is_told_of_a_release_goes_with_the_stop() -> None:
-    base = Base()
+def test_what_is_told_of_a_release_goes_with_the_stop(base: Base) -> None:
     base.says(0.0, engaged=True)
     base.stops.reset("phone", RESET, 0.0)
     base.asked[0].answer = REFUSED
@@ -162,8 +158,7 @@ def test_what_is_told_of_a_release_goes_with_the_stop() -> None:
 
 
 @pytest.mark.parametrize("age", [0.0, 2.0])
-def test_what_base_said_long_ago_or_one_of_two_bases_answers_nothing(age: float) -> None:
-    base = Base()
+def test_what_base_said_long_ago_or_one_of_two_bases_answers_nothing(base: Base, age: float) -> None:
     base.says(0.0, engaged=True)
     if not age:
         base.says(0.0, engaged=False, base="other")
@@ -171,8 +166,7 @@ def test_what_base_said_long_ago_or_one_of_two_bases_answers_nothing(age: float)
     assert len(base.asked) == 1
 
 
-def test_no_number_of_stops_is_too_many() -> None:
-    base = Base()
+def test_no_number_of_stops_is_too_many(base: Base) -> None:
     for n in range(250):
         base.stops.stop("phone", n * 0.01)
         base.asked[-1].answer, base.asked[-1].settles = STOPPED, lambda _: True
@@ -180,8 +174,7 @@ def test_no_number_of_stops_is_too_many() -> None:
     assert len(base.asked) == 250
 
 
-def test_a_release_names_what_was_shown_and_tells_what_base_says() -> None:
-    base = Base()
+def test_a_release_names_what_was_shown_and_tells_what_base_says(base: Base) -> None:
     base.stops.reset("phone", RESET, 0.0)
     assert base.asked[0].what == RESET
     base.stops.poll(0.0)
@@ -195,8 +188,7 @@ def test_a_release_names_what_was_shown_and_tells_what_base_says() -> None:
     assert base.stops.text == ""
 
 
-def test_who_wants_a_stop_wants_no_release_any_more() -> None:
-    base = Base()
+def test_who_wants_a_stop_wants_no_release_any_more(base: Base) -> None:
     base.stops.reset("phone", RESET, 0.0)
     base.stops.stop("laptop", 0.0)
     base.stops.poll(0.0)
@@ -206,8 +198,7 @@ def test_who_wants_a_stop_wants_no_release_any_more() -> None:
 
 
 @pytest.mark.parametrize("knows_off", [True, False])
-def test_off_is_asked_for_under_a_stop_too_until_base_has_answered(knows_off: bool) -> None:
-    base = Base()
+def test_off_is_asked_for_under_a_stop_too_until_base_has_answered(base: Base, knows_off: bool) -> None:
     base.says(0.0, engaged=True)
     base.stops.stop("phone", 0.1)
     assert base.asked == []
@@ -228,8 +219,7 @@ def test_off_is_asked_for_under_a_stop_too_until_base_has_answered(knows_off: bo
     assert base.stops.text == ""
 
 
-def test_off_takes_the_place_of_a_stop_that_is_not_confirmed() -> None:
-    base = Base()
+def test_off_takes_the_place_of_a_stop_that_is_not_confirmed(base: Base) -> None:
     base.stops.stop("phone", 0.0)
     base.stops.stop("phone", 2.0, off=True)
     base.stops.stop("laptop", 2.1)
