@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from giraff_schemas.boards import BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD
+from giraff_sim.board import Implementation
 from tests.firmware.bench import BaseBench, Bench, SpeedBench
 from tests.firmware.builds import compiled, open_board
 
@@ -37,3 +38,9 @@ def ranger() -> Iterator[Bench]:
     board = open_board(RANGER_BOARD, compiled())
     yield Bench(board)
     board.close()
+
+
+@pytest.fixture(params=[*Implementation], ids=str)
+def implementation(request: pytest.FixtureRequest) -> Implementation:
+    """Each of the ways in which a board's firmware runs."""
+    return Implementation(request.param)

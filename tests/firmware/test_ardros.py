@@ -23,11 +23,6 @@ STATES_PER_TICK = 2
 ARDROS = msgspec.structs.replace(ROBOT, ticks_per_metre=81_350.0, max_wheel_speed=0.8)
 
 
-@pytest.fixture(params=[*Implementation], ids=str)
-def implementation(request: pytest.FixtureRequest) -> Implementation:
-    return Implementation(request.param)
-
-
 @pytest.fixture
 def ardros(implementation: Implementation) -> Iterator[BaseBench]:
     """Ardros's board, powered on and measuring."""

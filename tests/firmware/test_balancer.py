@@ -36,11 +36,6 @@ HANGS_AT = 19.4  # V of the battery, by faults/hung_loop.c: 2.5 V at the pin
 FRAME_MS = 1  # within which a drive frame has come over the line
 
 
-@pytest.fixture(params=[*Implementation], ids=str)
-def implementation(request: pytest.FixtureRequest) -> Implementation:
-    return Implementation(request.param)
-
-
 @pytest.fixture
 def board(implementation: Implementation) -> Iterator[BalancerBench]:
     """A board that was powered on 20 ms ago."""

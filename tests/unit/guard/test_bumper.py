@@ -18,6 +18,7 @@ def bump(senses: Senses, *, pressed: bool, age: float = 0.0) -> bool:
     return senses.obstacles.on_sensed(Bump(sensor="front", pressed=pressed, tick=senses.ago(age)), senses.now)
 
 
+@pytest.fixture
 def driving() -> Senses:
     """Forward, with every sensor heard."""
     senses = opened(BUMPED)
@@ -38,81 +39,74 @@ def drive_on(senses: Senses, linear: float, seconds: float, *, pressed: bool = F
     senses.linear = senses.angular = 0.0
 
 
-def test_a_push_stops_its_way_at_once_and_no_other() -> None:
-    senses = driving()
-    assert bump(senses, pressed=True), "it cannot wait for the next decision"
-    judged = senses.verdict()
+def test_a_push_stops_its_way_at_once_and_no_other(driving: Senses) -> None:
+    assert bump(driving, pressed=True), "it cannot wait for the next decision"
+    judged = driving.verdict()
     assert (judged.freedom, judged.sensor, judged.allowed) == ("blocked", "front", 0.0)
     assert judged.reason.what == "front is pushed: something touches it, or its wire is cut"
     assert judged.reason.remedy == "turn or back up"
-    assert (senses.allowed("backward"), senses.allowed("turn_left")) == (0.6, ROBOT.max_angular_speed)
-    assert senses.passes(0.5, 0.0) == (0.0, 0.0)
+    assert (driving.allowed("backward"), driving.allowed("turn_left")) == (0.6, ROBOT.max_angular_speed)
+    assert driving.passes(0.5, 0.0) == (0.0, 0.0)
 
 
-def test_its_way_stays_blocked_until_the_robot_has_backed_away() -> None:
-    senses = driving()
-    drive_on(senses, 0.0, 0.1, pressed=True)
-    drive_on(senses, 0.0, 0.3)
-    assert "was pushed here" in str(senses.verdict().reason)
-    drive_on(senses, 0.2, 0.9)  # pushed along by hand: nearer is not away
-    drive_on(senses, -0.2, 1.8)
-    assert senses.verdict().freedom == "blocked"
-    drive_on(senses, -0.2, 0.2)
-    assert senses.verdict().sensor != "front"
+def test_its_way_stays_blocked_until_the_robot_has_backed_away(driving: Senses) -> None:
+    drive_on(driving, 0.0, 0.1, pressed=True)
+    drive_on(driving, 0.0, 0.3)
+    assert "was pushed here" in str(driving.verdict().reason)
+    drive_on(driving, 0.2, 0.9)  # pushed along by hand: nearer is not away
+    drive_on(driving, -0.2, 1.8)
+    assert driving.verdict().freedom == "blocked"
+    drive_on(driving, -0.2, 0.2)
+    assert driving.verdict().sensor != "front"
 
 
-def test_turning_away_frees_it() -> None:
-    senses = driving()
-    drive_on(senses, 0.0, 0.1, pressed=True)
-    drive_on(senses, 0.0, 1.5, angular=1.0)
-    assert senses.verdict().sensor == "front"
-    drive_on(senses, 0.0, 0.1, angular=1.0)
-    assert senses.verdict().sensor != "front"
+def test_turning_away_frees_it(driving: Senses) -> None:
+    drive_on(driving, 0.0, 0.1, pressed=True)
+    drive_on(driving, 0.0, 1.5, angular=1.0)
+    assert driving.verdict().sensor == "front"
+    drive_on(driving, 0.0, 0.1, angular=1.0)
+    assert driving.verdict().sensor != "front"
 
 
-def test_where_the_wheels_cannot_be_followed_it_has_to_back_away_anew() -> None:
-    senses = driving()
-    drive_on(senses, 0.0, 0.1, pressed=True)
-    drive_on(senses, -0.2, 0.9)
-    senses.report(boot_id=2)
-    drive_on(senses, -0.2, 0.2)
-    assert senses.verdict().sensor == "front"
+def test_where_the_wheels_cannot_be_followed_it_has_to_back_away_anew(driving: Senses) -> None:
+    drive_on(driving, 0.0, 0.1, pressed=True)
+    drive_on(driving, -0.2, 0.9)
+    driving.report(boot_id=2)
+    drive_on(driving, -0.2, 0.2)
+    assert driving.verdict().sensor == "front"
 
 
-def test_what_was_only_asked_for_takes_the_robot_away_from_nothing() -> None:
+def test_what_was_only_asked_for_takes_the_robot_away_from_nothing(driving: Senses) -> None:
     """The wheels are not heard, and the robot stands."""
-    senses = driving()
-    drive_on(senses, 0.0, 0.1, pressed=True)
-    senses.asked = (-0.3, 0.0)
+    drive_on(driving, 0.0, 0.1, pressed=True)
+    driving.asked = (-0.3, 0.0)
     for _ in range(150):
-        senses.wait(0.02, wheels=False)
-        bump(senses, pressed=False)
-        senses.hear(None)
-    senses.asked = (0.0, 0.0)
-    drive_on(senses, 0.0, 0.2)
-    assert senses.verdict().sensor == "front"
+        driving.wait(0.02, wheels=False)
+        bump(driving, pressed=False)
+        driving.hear(None)
+    driving.asked = (0.0, 0.0)
+    drive_on(driving, 0.0, 0.2)
+    assert driving.verdict().sensor == "front"
 
 
-def test_where_it_was_pushed_is_not_known_while_the_wheels_are_not_heard() -> None:
+def test_where_it_was_pushed_is_not_known_while_the_wheels_are_not_heard(driving: Senses) -> None:
     """The guard reckons on by what it has passed, and base has stopped the robot."""
-    senses = driving()
-    senses.linear = 0.0
+    driving.linear = 0.0
     for step in range(100):
-        senses.wait(0.02, wheels=False)
-        bump(senses, pressed=step > 50)
-        senses.hear(None)
-    senses.asked = (0.0, 0.0)
-    drive_on(senses, 0.0, 0.2)
-    assert "was pushed here" in str(senses.verdict().reason)
+        driving.wait(0.02, wheels=False)
+        bump(driving, pressed=step > 50)
+        driving.hear(None)
+    driving.asked = (0.0, 0.0)
+    drive_on(driving, 0.0, 0.2)
+    assert "was pushed here" in str(driving.verdict().reason)
 
 
-def test_a_new_epoch_does_not_open_the_way() -> None:
-    senses = driving()
-    drive_on(senses, 0.0, 0.1, pressed=True)
-    drive_on(senses, 0.0, 0.1)
-    senses.obstacles.forget()
-    drive_on(senses, 0.0, 0.3)
-    assert "was pushed here" in str(senses.verdict().reason)
+def test_a_new_epoch_does_not_open_the_way(driving: Senses) -> None:
+    drive_on(driving, 0.0, 0.1, pressed=True)
+    drive_on(driving, 0.0, 0.1)
+    driving.obstacles.forget()
+    drive_on(driving, 0.0, 0.3)
+    assert "was pushed here" in str(driving.verdict().reason)
 
 
 def test_a_sample_of_another_type_under_its_name_says_nothing() -> None:

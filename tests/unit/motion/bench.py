@@ -137,6 +137,12 @@ class Bench:
     def ask(self, kind: type[MotionRequest], **values: Any) -> MotionAnswer:
         return self.policy.on_request(self.wish(kind, **values), self.now)
 
+    def refused(self, kind: type[MotionRequest], **values: Any) -> str:
+        """Ask, and hear why not."""
+        answer = self.ask(kind, **values)
+        assert not answer.accepted
+        return str(answer.reason)
+
     def begin(self, kind: type[MotionRequest], **values: Any) -> None:
         """Ask, and have it move."""
         answer = self.ask(kind, **values)

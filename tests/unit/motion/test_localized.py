@@ -114,9 +114,7 @@ def test_it_begins_only_while_it_is_known_where_the_robot_is(spoil: Callable[[Be
     bench = localized()
     spoil(bench)
     bench.run(0.2)
-    answer = bench.ask(MotionGo, steps=(Move(distance=0.3), in_map(4.0, 4.0)))
-    assert not answer.accepted
-    assert words in str(answer.reason)
+    assert words in bench.refused(MotionGo, steps=(Move(distance=0.3), in_map(4.0, 4.0)))
     bench.run(1.0)
     assert bench.said == []
     assert bench.ask(MotionGo, steps=(Move(distance=0.3),)).accepted, "which needs no map"
@@ -156,9 +154,7 @@ def test_it_goes_by_no_pose_that_two_processes_say(bench: Bench) -> None:
     """A forged one looks as good as the true one: nobody can tell which to believe."""
     bench.localizer = "another"
     bench.run(0.2)
-    answer = bench.ask(MotionGo, steps=(in_map(4.0, 4.0),))
-    assert not answer.accepted
-    assert "two processes" in str(answer.reason)
+    assert "two processes" in bench.refused(MotionGo, steps=(in_map(4.0, 4.0),))
     bench.run(1.2)
     assert bench.ask(MotionGo, steps=(in_map(4.0, 4.0),)).accepted, "for the other one has long been silent"
 
@@ -170,9 +166,7 @@ def test_a_second_process_that_speaks_ends_it(bench: Bench) -> None:
 
 
 def test_without_localization_it_says_what_to_start() -> None:
-    answer = Bench().ask(MotionGo, steps=(in_map(1.0, 0.0),))
-    assert not answer.accepted
-    assert "start giraff_localization" in str(answer.reason)
+    assert "start giraff_localization" in Bench().refused(MotionGo, steps=(in_map(1.0, 0.0),))
 
 
 def test_it_does_not_go_by_a_pose_from_before_odometry_began_anew(bench: Bench) -> None:
@@ -181,8 +175,7 @@ def test_it_does_not_go_by_a_pose_from_before_odometry_began_anew(bench: Bench) 
     bench.localization = None
     bench.odometry.on_reset(OdomReset(by="somebody", id=1))
     bench.run(0.1)
-    answer = bench.ask(MotionGo, steps=(in_map(4.0, 4.0),))
-    assert (answer.accepted, "from before" in str(answer.reason)) == (False, True)
+    assert "from before" in bench.refused(MotionGo, steps=(in_map(4.0, 4.0),))
     bench.localization = "localized"
     bench.run(0.1)
     assert bench.ask(MotionGo, steps=(in_map(4.0, 4.0),)).accepted

@@ -151,15 +151,3 @@ def test_the_error_is_within_what_the_covariance_says(session: str, run: int) ->
     end = followed(session, run)
     xx, _, _, yy, _, _ = end.covariance
     assert end_error(session, run, end.x, end.y) < 3.0 * math.sqrt(xx + yy)
-
-
-def test_summary_of_all_runs() -> None:
-    ends = {run: integrated(*run) for run in RUNS}
-    errors = {run: end_error(*run, end.x, end.y) for run, end in ends.items()}
-    path = sum(end.path for end in ends.values())
-    mean, worst = sum(errors.values()) / len(errors), max(errors, key=lambda run: errors[run])
-    print(
-        f"{len(errors)} runs, {path:.1f} m: end error {mean:.4f} m on average, "
-        f"{errors[worst]:.4f} m at worst ({worst[0]} run {worst[1]})"
-    )
-    assert mean < 0.06
