@@ -10,7 +10,7 @@ from giraff_core.estop.latch import RELEASED, RESET_COMMAND, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.text import brief
+from giraff_schemas.text import brief, printable
 from giraff_schemas.trouble import WELL, Trouble
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
@@ -23,9 +23,11 @@ class EStopControl:
 
     def __init__(self, latch: EStopLatch, reset_budget: float, *, knows_off: bool) -> None:
         """`knows_off`: of the drive. Without it, nothing is off, and no one is told that it is."""
+        # Somebody may have edited the file.
+        by, reason = printable(latch.by), Trouble(printable(latch.reason.what), printable(latch.reason.remedy))
         off = latch.engaged and latch.off and knows_off
         empty = latch.engaged and latch.empty
-        self.latch = msgspec.structs.replace(latch, off=off, empty=empty)
+        self.latch = msgspec.structs.replace(latch, by=by, reason=reason, off=off, empty=empty)
         self._knows_off = knows_off
         self._reset_budget = reset_budget
         self._engaged_ns = 0
@@ -48,7 +50,7 @@ class EStopControl:
         self._engaged_ns = now.robot_ns
         by, why = brief(asked.by), asked.reason
         remedy = f"{brief(why.remedy)}, then {RESET_COMMAND}" if why.remedy else f"to go on: {RESET_COMMAND}"
-        reason = Trouble(brief(why.what), remedy)
+        reason = Trouble(brief(why.what) or "no reason was given", remedy)
         off = self.latch.off or (asked.off and self._knows_off)
         empty = self.latch.empty or empty
         latch = EStopLatch(engaged=True, id=self.latch.id, by=by, reason=reason, off=off, empty=empty)
@@ -78,7 +80,7 @@ class EStopControl:
 
     def released(self, reset: EStopReset) -> EStopLatch:
         """The latch as `reset` leaves it."""
-        return EStopLatch(engaged=False, id=self.latch.id, by=brief(reset.by))
+        return EStopLatch(engaged=False, id=self.latch.id, by=brief(reset.by), reason=WELL)
 
     def answer(self, why_not: Trouble = WELL) -> EStopAnswer:
         """`why_not`: what was asked is not done, and why."""

@@ -39,7 +39,8 @@ def digest(rows: Sequence[tuple[str, type[msgspec.Struct]]]) -> str:
     waiting, seen = [struct for _, struct in rows], set[type[msgspec.Struct]]()
     while waiting:
         struct = waiting.pop()
-        hints = get_type_hints(struct)
+        hints, form = get_type_hints(struct), struct.__struct_config__
+        lines.add(f"{struct.__name__} {form.tag_field} {form.tag} {form.array_like}")
         for field in msgspec.structs.fields(struct):
             lines.add(f"{struct.__name__}.{field.encode_name}: {text_of(hints[field.name])}")
             waiting += set(structs_in(hints[field.name])) - seen

@@ -24,7 +24,7 @@ _ODD: Final = 16.3
 
 
 def review(runs: Sequence[Run], geometry: Geometry) -> list[str]:
-    """What a person should know before these runs are taken for good, one line each."""
+    """Return where the runs of a person disagree, one line each: a wrong sign can still be measured anew."""
     try:
         scales = fit(runs, geometry).scales
     except UndeterminedError as error:

@@ -256,8 +256,9 @@ def _of_answers(robot: Robot, machine: Machine) -> Iterator[Finding]:
         yield Finding(
             severity="fault",
             about=service,
-            what=f"giraff_{service} is there, but does not answer: it hangs, or the network lets only one way through",
-            fix="see its log, restart it; see that no firewall drops what comes back",
+            what=f"giraff_{service} is there, but does not answer: it hangs, is of another version, or the network "
+            "lets only one way through",
+            fix="see its log, restart it; see that no firewall drops its answers, and one version is on all hosts",
         )
     yield from _of_clocks(robot.answers, machine)
     yield from _of_versions(robot.answers, machine)

@@ -81,7 +81,7 @@ class _Life:
         self.next = then.instance, then.seq + 1
         if not self._is_settled:
             return None
-        found = [f"reason {then.reason!r} then, {now.reason!r} now"] if then.reason != now.reason else []
+        found = [f"reason {str(then.reason)!r} then, {str(now.reason)!r} now"] if then.reason != now.reason else []
         for name in ("motion", "wheels"):
             before, after = getattr(then, name), getattr(now, name)
             is_near = before == after if None in {before, after} else math.dist(before, after) <= _NEAR

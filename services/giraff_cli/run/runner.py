@@ -79,7 +79,6 @@ class Joystick:
 _LOOK_EVERY: Final = 0.2  # s
 _SERVICES_WITHIN: Final = 20.0  # s
 _REST_WITHIN: Final = 4.0  # s
-_SITS_WITHIN: Final = 4.0  # s
 _PUSH_AFTER: Final = 8.0  # s; a robot that balances has got up and drives by then
 _LOOKS_AT_REST: Final = 4  # in a row, by when odometry has caught up
 

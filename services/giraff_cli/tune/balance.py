@@ -45,7 +45,7 @@ class Response(NamedTuple):
 
 
 def respond_to_step(body: BalancingBody, gains: Gains) -> Response:
-    """Return the response with the longest delay."""
+    """Return the response to a step of the held place: the linear body, the longest delay and a bounded torque."""
     moments = respond(body.mechanics, gains, body.torque_max, way=-STEP)
     kept = [next(moments) for _ in range(round(SECONDS / PERIOD))]
     return Response(

@@ -25,7 +25,7 @@ class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     id: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
     """Names the newest engaging; a reset that names another clears nothing."""
     by: str
-    reason: Trouble = WELL
+    reason: Trouble
     """Why it is engaged, and how to release it."""
     off: bool = False
     """The stop has switched off a drive that else holds the robot up."""
@@ -38,7 +38,7 @@ def is_confirmed_stop(answer: EStopAnswer) -> bool:
     return answer.done and answer.engaged
 
 
-RELEASED: Final = EStopLatch(engaged=False, id=0, by="")
+RELEASED: Final = EStopLatch(engaged=False, id=0, by="", reason=WELL)
 
 
 def latch_bytes(latch: EStopLatch) -> bytes:

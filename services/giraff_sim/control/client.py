@@ -156,10 +156,6 @@ class SimulatorClient:
         """Push a robot that balances by so many N s, forward positive, so many m above its axle."""
         return self._ask(messages.Push(impulse=impulse, height=height)).now_us
 
-    def raise_robot(self) -> int:
-        """Raise a robot that balances, and hold it upright until it stands by itself."""
-        return self._ask(messages.Raise()).now_us
-
     def unplug(self, board: BoardName) -> int:
         """Pull a board's serial cable."""
         return self._ask(messages.Unplug(board=board)).now_us
