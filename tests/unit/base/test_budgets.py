@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from giraff_base.config import BaseConfig
 from giraff_schemas.messages import GuardedCommand, RobotTime
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import DriveFrame
 from tests.unit.base.rig import CONFIG, EPOCH, STEP_NS, Rig, moving
 
@@ -189,7 +190,7 @@ def test_nothing_drives_either_way_on_a_range_that_is_too_old(armed: Rig, linear
 
 def test_an_operators_fault_is_named_by_itself_and_by_the_guards_reason_where_there_is_one(driven: Rig) -> None:
     assert driven_by(driven, source="fault") == ((0, 0), "the operator's side reports a fault")
-    assert driven_by(driven, source="fault", reason="no sensor") == ((0, 0), "no sensor")
+    assert driven_by(driven, source="fault", reason=Trouble("no sensor")) == ((0, 0), "no sensor")
 
 
 @given(

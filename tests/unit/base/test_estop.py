@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_base.estop import EStopLatch
+from giraff_base.estop import EStopControl, EStopLatch
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.trouble import Trouble
@@ -213,6 +213,8 @@ def test_what_others_write_into_the_latch_steers_no_terminal(rig: Rig) -> None:
     told = rig.base.estop()
     assert (told.by, str(told.reason)) == (PLAIN, f"{PLAIN}; to go on: giraff estop reset")
     assert str(rig.base.reason).isprintable()
+    edited = EStopControl(EStopLatch(engaged=True, id=1, by=ODD, reason=Trouble(ODD, ODD)), 1.0, knows_off=False)
+    assert (edited.latch.by, edited.latch.reason) == (PLAIN, Trouble(PLAIN, PLAIN))
     rig.base.on_reset(EStopReset(by=ODD, id=rig.base.latch.id, tick=rig.ago(0.0)), rig.now)
     assert (rig.base.latch.engaged, rig.base.latch.by) == (False, PLAIN)
 

@@ -130,9 +130,9 @@ class Scene:
     def _no_base(self) -> None:
         self.drop(topics.TICK, topics.BASE, topics.ESTOP, topics.WHEELS)
         self.put(topics.TILT, tilt(known=False), HAND)
-        deaf = command(source="fault", reason="the joystick has not heard the robot yet", tick=None)
+        deaf = command(source="fault", reason=Trouble("the joystick has not heard the robot yet"), tick=None)
         self.put(topics.OPERATOR_CMD_VEL, deaf, HAND, "joystick")
-        self.put(topics.GUARD, state(reason="base is not heard"), "g")
+        self.put(topics.GUARD, state(reason=Trouble("base is not heard")), "g")
         self.put(topics.LEASE, lease("", ""), "g")
 
     def _no_ranger(self) -> None:
@@ -142,7 +142,7 @@ class Scene:
 
 
 def fault(reason: str) -> DriveCommand:
-    return command(source="fault", reason=reason)
+    return command(source="fault", reason=Trouble(reason))
 
 
 Change = Callable[[Scene], object]
@@ -218,7 +218,7 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
     ),
     "deaf joystick": (
         lambda s: s.put(
-            topics.OPERATOR_CMD_VEL, command(source="fault", reason="no tick", tick=None), HAND, "joystick"
+            topics.OPERATOR_CMD_VEL, command(source="fault", reason=Trouble("no tick"), tick=None), HAND, "joystick"
         ),
         "operator",
         "joystick does not hear the robot, which is heard here; check its network",

@@ -220,7 +220,11 @@ def test_a_small_terminal_tells_how_to_stop_release_and_end(case: str) -> None:
 
 @pytest.mark.parametrize("cause", [HELD, ARM, f"front_right and front_left: {FROZEN}"])
 def test_the_longest_reasons_are_whole_on_80_by_24(cause: str) -> None:
-    desk = Desk().mine().take(msgspec.structs.replace(all_blocked(), reason=cause), base(armed=False, reason=cause))
+    desk = (
+        Desk()
+        .mine()
+        .take(msgspec.structs.replace(all_blocked(), reason=Trouble(cause)), base(armed=False, reason=cause))
+    )
     running = desk.picture
     desk.take(EStop(engaged=True, id=3, by=STUCK.by, reason=STUCK.reason))
     desk.stop = "STOPPED: base has confirmed; press r to release it"

@@ -11,6 +11,7 @@ import pytest
 from giraff_cli.param import client
 from giraff_schemas.params import Param, ParamAnswer
 from giraff_schemas.topics import alive_key
+from giraff_schemas.trouble import Trouble
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import Giraff
 
@@ -71,7 +72,7 @@ def test_what_is_meant_is_told(
 def test_nothing_is_tried_with_what_is_mistyped(
     mistyped: bool, code: int, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
-    said = msgspec.structs.replace(answer("guard"), done=False, reason="no", params=(), mistyped=mistyped)
+    said = msgspec.structs.replace(answer("guard"), done=False, reason=Trouble("no"), params=(), mistyped=mistyped)
     monkeypatch.setattr(client, "_ask", lambda *_: {"guard": said})
     meet(monkeypatch, alive_key("sim-test", "guard", "guard"))
     for words in (("set", "guard.margin", "30cm"), ("save", "guard.marign")):

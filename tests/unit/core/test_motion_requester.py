@@ -292,7 +292,9 @@ def test_a_cancel_lets_go_at_once_and_waits_for_the_end(begun: Line) -> None:
     begun.holds.clear()
     assert begun.run(0.5) is None
     assert begun.holds == []
-    begun.it.on_state(said(motion_state(WISH, "ended", "cancelled", reason="cancelled by ann"), 9_000), begun.now)
+    begun.it.on_state(
+        said(motion_state(WISH, "ended", "cancelled", reason=Trouble("cancelled by ann")), 9_000), begun.now
+    )
     assert begun.run(0.1) is not None
     assert (begun.end.outcome, begun.end.reason) == ("cancelled", "cancelled by ann")
 

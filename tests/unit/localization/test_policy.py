@@ -340,7 +340,7 @@ def test_a_reading_that_says_nothing_counts_for_nothing(robot: Robot, strange: s
     robot.hears = False
     reading = echo("rear", robot.seconds, 0.5)
     bad: dict[str, Range] = {
-        "fault": msgspec.structs.replace(reading, state="fault", range=None, reason="dead"),
+        "fault": msgspec.structs.replace(reading, state="fault", range=None, reason=Trouble("dead")),
         "no tick": msgspec.structs.replace(reading, tick=None),
         "another sensor": msgspec.structs.replace(reading, sensor="top"),
         "another start": msgspec.structs.replace(reading, tick=RobotTime(epoch=99, robot_ns=1)),

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from giraff_core.estop.latch import LATCH_FILE, RELEASED, EStopLatch, load_latch
+from giraff_core.estop.latch import LATCH_FILE, RELEASED, EStopLatch, latch_bytes, load_latch
 from giraff_node.process.state import Folder, state_directory, write_file_durably, write_latch
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 
 LOST = 41
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason=Trouble("space bar"))
-WHOLE = b'{"engaged":false,"id":7,"by":"carer","reason":""}'
+WHOLE = latch_bytes(EStopLatch(engaged=False, id=7, by="carer", reason=WELL)).strip()
 
 
 def read_latch(directory: Path) -> EStopLatch:
@@ -58,7 +58,9 @@ def test_what_is_written_is_read(tmp_path: Path, latch: EStopLatch) -> None:
         (b"\xff" + WHOLE, "damaged"),
         (b"[" * 100_000, "damaged"),
         (b"null", "damaged"),
-        (b'{"id":7,"by":"carer","reason":""}', "damaged"),
+        (WHOLE.replace(b'"engaged":false,', b""), "damaged"),
+        (WHOLE.replace(b'"reason":{"what":"","remedy":""},', b""), "damaged"),
+        (WHOLE.replace(b'{"what":"","remedy":""}', b'""'), "damaged"),
         (WHOLE.replace(b"false", b'"false"'), "damaged"),
         (WHOLE.replace(b"false", b"0"), "damaged"),
         (WHOLE.replace(b"7", b"7.5"), "damaged"),
@@ -70,7 +72,11 @@ def test_what_is_written_is_read(tmp_path: Path, latch: EStopLatch) -> None:
     ids=str,
 )
 def test_a_file_that_says_nothing_clear_is_a_latch(tmp_path: Path, content: bytes | None, words: str) -> None:
+    (tmp_path / LATCH_FILE).write_bytes(WHOLE)
+    assert not read_latch(tmp_path).engaged
+    (tmp_path / LATCH_FILE).unlink()
     if content is not None:
+        assert content != WHOLE
         (tmp_path / LATCH_FILE).write_bytes(content)
     latch = read_latch(tmp_path)
     assert latch.engaged

@@ -42,7 +42,7 @@ def test_a_text_of_others_is_cut(hear: str) -> None:
         if hear == "estop":
             incidents.on_estop(EStop(engaged=bad, id=1, by=long, reason=Trouble(long)), 1.0)
         elif hear == "base":
-            incidents.on_base(msgspec.structs.replace(base(connected=not bad), reason=long), 1.0)
+            incidents.on_base(msgspec.structs.replace(base(connected=not bad), reason=Trouble(long)), 1.0)
         else:
             incidents.on_health(health(*[long] * bad), 1.0)
     incident = incidents.due(100.0)

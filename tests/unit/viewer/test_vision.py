@@ -11,6 +11,7 @@ import rerun as rr
 
 from giraff_schemas import topics
 from giraff_schemas.camera import Picture
+from giraff_schemas.trouble import Trouble
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
 from tests.unit.cli.samples import MS, at, odometry, seen
@@ -64,9 +65,11 @@ def test_its_marks_fit_the_picture_that_is_shown_and_go_when_no_more_come() -> N
     assert points_of(marks["rejected"]) == [[21.0, 41.0]]
     assert marks["ground"].strips.as_arrow_array().to_pylist() == [[[1, 81], [319, 81], [319, 239], [1, 81]]]
     assert points_of(marks["reason"]) == []
-    dark = look_at(scene, SECOND, reason="dark", width=0, height=0, tracked=(), rejected=(), ground=())
+    dark = look_at(scene, SECOND, reason=Trouble("dark"), width=0, height=0, tracked=(), rejected=(), ground=())
     assert dict(dark)["camera/head/vision/reason"].labels.as_arrow_array().to_pylist() == ["no visual odometry: dark"]
-    apart = dict(look_at(scene, SECOND, reason="they disagree", motion=(0.0, 0.0, 0.0), wheels=(0.3, 0.4, 0.1)))
+    apart = dict(
+        look_at(scene, SECOND, reason=Trouble("they disagree"), motion=(0.0, 0.0, 0.0), wheels=(0.3, 0.4, 0.1))
+    )
     [label] = apart["camera/head/vision/reason"].labels.as_arrow_array().to_pylist()
     assert "(picture: 0.00 m and 0°, wheels: 0.50 m and 6°)" in label.replace("\n", " ")
     assert "camera/head/vision" not in dict(scene.look(SECOND + 400 * MS))
