@@ -89,7 +89,7 @@ class CameraState(Sample, frozen=True, kw_only=True):
     rate: float
     """Hz. Pictures that the camera took in the last second."""
     reason: Trouble = WELL
-    """Why there are no pictures though somebody looks."""
+    """Cause of missing pictures while somebody looks."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.rate)
@@ -118,7 +118,7 @@ class VisualOdometry(Sample, frozen=True, kw_only=True):
     key: int
     """Number of the key picture, from 0."""
     reason: Trouble = WELL
-    """Why this is no measurement."""
+    """Cause, where this is no measurement."""
     motion: Step | None
     """Motion since the key picture, as the picture has it. Where there is a reason it is no measurement: what was seen
     and is not believed. None: nothing was seen."""

@@ -28,9 +28,9 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     ok: bool
     """Nothing is wrong with the service itself: its process, its board, its disk."""
     faults: tuple[Trouble, ...]
-    """What is wrong with it now."""
+    """Faults of the service itself, as of now."""
     notices: tuple[Trouble, ...] = ()
-    """What it waits for or finds wrong elsewhere."""
+    """Conditions that the service waits for, or finds wrong elsewhere."""
     # The fields from here on are for a person who looks at a robot, or compares machines.
     publishes: tuple[str, ...] = ()
     """Keys of the topics table on which it speaks, whether or not it has said anything."""

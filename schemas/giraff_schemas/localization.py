@@ -70,7 +70,7 @@ class MapPose(Sample, frozen=True, kw_only=True):
     map: str
     """Name of the floor plan; empty: there is none."""
     reason: Trouble = WELL
-    """Why it is not localized."""
+    """Cause, where the robot is not localized."""
     tick: RobotTime | None
     """Of the newest odometry in it; None: there was none yet."""
 
@@ -189,4 +189,4 @@ class LocalizationAnswer(msgspec.Struct, frozen=True, kw_only=True):
 
     done: bool
     reason: Trouble = WELL
-    """Why not."""
+    """Cause of a refusal."""

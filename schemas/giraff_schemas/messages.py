@@ -124,7 +124,7 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     hand_neutral: bool
     """The operator's own command is a hand's and neutral: what arms the robot when held."""
     reason: Trouble = WELL
-    """Why this is less than the operator asked for."""
+    """Cause, where this is less than the operator asked for."""
     free_side: Side = "none"
     """Where a robot that sits down has room, by the ranges of now."""
     heard: tuple[int, ...] = ()
@@ -150,7 +150,7 @@ class Lease(Sample, frozen=True, kw_only=True):
     counter: int
     """Another one for each grant, never 0; what the holder's commands must carry. 0: free."""
     reason: Trouble = WELL
-    """Why the newest grant, refusal or end. The remedy is for an operator who wants to drive."""
+    """Cause of the newest grant, refusal or end. The remedy is for an operator who wants to drive."""
     unranked: tuple[str, ...] = ()
     """Operators that have asked to drive, and whose names no table ranks: persons take the robot from them."""
 
@@ -325,7 +325,7 @@ class BaseState(Sample, frozen=True, kw_only=True):
     driving: bool
     """The newest frame to the board asked for motion."""
     reason: Trouble = WELL
-    """Why the robot does not do what the guard let through."""
+    """Cause, where the robot does not do what the guard let through."""
     guard: str
     """Instance of the guard that base is bound to; empty: none yet."""
     round_trip: float | None
@@ -370,9 +370,9 @@ class SensorState(msgspec.Struct, frozen=True, kw_only=True):
     """A sensor as the guard judges it."""
 
     type: str
-    """As in the robot file."""
+    """Type of the sensor in the robot file."""
     trouble: Trouble = WELL
-    """Why the guard does not trust it."""
+    """Cause of the guard's distrust; false where the guard trusts it."""
 
 
 class GuardState(Sample, frozen=True, kw_only=True):
@@ -385,7 +385,7 @@ class GuardState(Sample, frozen=True, kw_only=True):
     operator: str
     """Instance the guard listens to, the holder of the lease; empty: none."""
     reason: Trouble = WELL
-    """Why the newest command was cut."""
+    """Cause, where the guard cut the newest command."""
     sensors: dict[str, SensorState]
     """By name, in the order of the robot file."""
 

@@ -141,7 +141,7 @@ class MotionAnswer(msgspec.Struct, frozen=True, kw_only=True):
 
     accepted: bool
     reason: Trouble = WELL
-    """Why not."""
+    """Cause of a refusal."""
 
 
 class MotionHold(Sample, frozen=True, kw_only=True):
@@ -209,7 +209,7 @@ class MotionState(Sample, frozen=True, kw_only=True):
     sensor: str
     """Of the guard's, which blocks the way; empty: none does."""
     reason: Trouble = WELL
-    """Why it does not move now, or why it has ended before it arrived."""
+    """Cause, where the robot does not move now, or has not arrived at the end."""
 
     def __post_init__(self) -> None:
         require_finite(self, *self.covariance, self.elapsed, self.time_limit)

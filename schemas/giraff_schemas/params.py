@@ -59,7 +59,7 @@ class ParamAnswer(msgspec.Struct, frozen=True, kw_only=True):
     done: bool
     """What was asked is so now."""
     reason: Trouble = WELL
-    """Why not."""
+    """Cause of a refusal."""
     params: tuple[Param, ...]
     """Those it is about, as they are now."""
     mistyped: bool = False

@@ -41,7 +41,7 @@ class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
     engaged: bool
     id: int
     reason: Trouble = WELL
-    """Why not."""
+    """Cause of a refusal."""
     instance: str = ""
     """Of the base that answers. Its `estop` samples carry it, too: without them an answer proves no stop."""
     board_reached: bool = True
@@ -108,4 +108,4 @@ class OdomAnswer(msgspec.Struct, frozen=True, kw_only=True):
     jumps: int
     """`Odometry.jumps` of the samples from now on."""
     reason: Trouble = WELL
-    """Why not."""
+    """Cause of a refusal."""

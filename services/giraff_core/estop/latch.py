@@ -26,7 +26,7 @@ class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Names the newest engaging; a reset that names another clears nothing."""
     by: str
     reason: Trouble
-    """Why it is engaged, and how to release it."""
+    """Cause of the stop, and the way to release it."""
     off: bool = False
     """The stop has switched off a drive that else holds the robot up."""
     empty: bool = False

@@ -21,7 +21,7 @@ _LONGEST: Final = 300  # characters of a fault: its text may quote the payload
 
 
 class DecodeErrors:
-    """Those of one subscription. Times are seconds of any one monotonic clock."""
+    """Reports payloads of one subscription that cannot be read. Times are seconds of any one monotonic clock."""
 
     def __init__(self, pattern: str, tell: Callable[[str, Trouble], None]) -> None:
         self._pattern = pattern
