@@ -16,6 +16,7 @@ import giraff_cli.doctor.examine
 import giraff_cli.record.recorder
 import giraff_cli.terminal.screen
 import giraff_keyboard.main
+import giraff_node.network.session
 from giraff_cli.terminal.signals import StopSignal
 
 
@@ -87,6 +88,7 @@ def meet(monkeypatch: pytest.MonkeyPatch, *tokens: str) -> QuietNetwork:
         return stopping.asked >= patience
 
     monkeypatch.setattr(StopSignal, "wait", wait)
+    monkeypatch.setattr(giraff_node.network.session, "_NEXT_WAY", 60.0)  # a thread may be slow to answer on a busy host
     return network
 
 
