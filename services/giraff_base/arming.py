@@ -8,8 +8,6 @@ from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime
 from giraff_schemas.trouble import WELL, Trouble
 
-HOW_TO_ARM = "hold the hand level"
-
 
 class Arming:
     """Lets only a held neutral hand arm.
@@ -21,7 +19,7 @@ class Arming:
     def __init__(self, live: Live[BaseConfig]) -> None:
         self._live = live
         self.armed = False
-        self._why = "base has just started"  # what disarmed last
+        self._why = Trouble("base has just started")  # what disarmed last
         self._holder = ("", 0)
         self._faults = 0
         self._since: RobotTime | None = None  # when the first command after the disarming came
@@ -33,11 +31,13 @@ class Arming:
         """Why the robot is not armed, and how to arm it."""
         if self.armed:
             return WELL
-        return Trouble(f"not armed since {self._why}", f"{HOW_TO_ARM} for {self._live.config.arm_time:g} s")
+        what = f"not armed since {self._why.what}"
+        return Trouble(what, self._why.remedy, "hold_level", f"{self._live.config.arm_time:g} s")
 
-    def disarm(self, why: str) -> None:
+    def disarm(self, why: str, remedy: str = "") -> None:
+        """Disarm the robot. `remedy`: what to do before it is armed again."""
         if self.armed:
-            self._why = why
+            self._why = Trouble(why, remedy)
         self.armed = False
         self._since = self._neutral_from = self._neutral_to = None
 

@@ -21,7 +21,7 @@ _CLOCK_WENT_BACK: Final = Trouble("the robot's clock went back", "restart giraff
 _NO_COMMAND: Final = Trouble("no fresh command of an operator", "check its link")
 _OLD_RANGE: Final = Trouble("a range that this motion relies on is too old", "check giraff_ranger and its board")
 _OPERATORS_FAULT: Final = Trouble("the operator's side reports a fault")
-_NO_HOLDER: Final = Trouble("nobody holds the lease", "an operator asks for it by driving")
+_NO_HOLDER: Final = Trouble("nobody holds the lease", action="ask")
 
 
 class Authority:

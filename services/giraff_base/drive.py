@@ -22,7 +22,7 @@ from giraff_schemas.wire import Frame
 class Report(NamedTuple):
     """News from the board."""
 
-    disarms: tuple[str, ...]
+    disarms: tuple[Trouble, ...]
     """Why the robot must be armed again, the first cause first: something held it, or the board was reset or taken
     over since its last report."""
     latched: EStopEngage | None

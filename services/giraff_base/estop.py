@@ -6,7 +6,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_core.estop.latch import RELEASED, RESET_COMMAND, EStopLatch
+from giraff_core.estop.latch import RELEASED, SEE_THAT_IT_MAY, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
@@ -24,7 +24,8 @@ class EStopControl:
     def __init__(self, latch: EStopLatch, reset_budget: float, *, knows_off: bool) -> None:
         """`knows_off`: of the drive. Without it, nothing is off, and no one is told that it is."""
         # Somebody may have edited the file.
-        by, reason = printable(latch.by), Trouble(printable(latch.reason.what), printable(latch.reason.remedy))
+        by, why = printable(latch.by), latch.reason
+        reason = Trouble(printable(why.what), printable(why.remedy), why.action, printable(why.argument))
         off = latch.engaged and latch.off and knows_off
         empty = latch.engaged and latch.empty
         self.latch = msgspec.structs.replace(latch, by=by, reason=reason, off=off, empty=empty)
@@ -49,8 +50,9 @@ class EStopControl:
         """
         self._engaged_ns = now.robot_ns
         by, why = brief(asked.by), asked.reason
-        remedy = f"{brief(why.remedy)}, then {RESET_COMMAND}" if why.remedy else f"to go on: {RESET_COMMAND}"
-        reason = Trouble(brief(why.what) or "no reason was given", remedy)
+        command = brief(why.argument) if why.action == "run" else ""
+        remedy = brief(why.remedy) or SEE_THAT_IT_MAY
+        reason = Trouble(brief(why.what) or "no reason was given", remedy, "release", command)
         off = self.latch.off or (asked.off and self._knows_off)
         empty = self.latch.empty or empty
         latch = EStopLatch(engaged=True, id=self.latch.id, by=by, reason=reason, off=off, empty=empty)

@@ -221,7 +221,7 @@ class BasePolicy:
         """Take news of the board: what disarms comes before what the board has latched."""
         arming, last_ns = self._authority.arming, self._reported_ns
         for why in report.disarms:
-            arming.disarm(why)
+            arming.disarm(why.what, why.remedy)
         if last_ns is not None and (now.robot_ns - last_ns) * 1e-9 > self._live.config.disarm_time:
             arming.disarm("the base board was silent for too long")
         self._link_fault = WELL

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from giraff_core.motion.result import MotionResult
+from giraff_schemas.actions import SCRIPT
 from giraff_schemas.messages import Direction, EStop, Verdict
 from giraff_schemas.text import printable_lines
 
@@ -47,12 +48,9 @@ class EmergencyStopError(RobotError):
     """The emergency stop is engaged."""
 
     def __init__(self, state: EStop) -> None:
-        super().__init__(
-            f"emergency stop, engaged by {state.by}: {state.reason}; see that the robot may move, "
-            "then `giraff estop reset` and robot.arm()"
-        )
         self.by = state.by
-        self.reason = str(state.reason)
+        self.reason = state.reason.line(SCRIPT)
+        super().__init__(f"emergency stop, engaged by {self.by}: {self.reason}")
 
 
 class BlockedError(RobotError):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import msgspec
+
 from giraff_client.errors import (
     EmergencyStopError,
     LostRobotError,
@@ -14,11 +16,15 @@ from giraff_client.errors import (
     TakenError,
 )
 from giraff_core.operator import ASKING, LEVEL, Operator, Wish
+from giraff_schemas.actions import SCRIPT
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, Sample, Tick
 from giraff_schemas.services import MOTION
+from giraff_schemas.trouble import Trouble
 
 _ANSWERS_WITHIN: Final = 0.5
 """s in which the guard answers who asks for the lease: it tells who drives ten times a second."""
+_NO_BASE: Final = Trouble("base is not heard", "check that giraff_base runs")
+_LET_GO: Final = Trouble("this script does not hold the robot")
 
 
 class OperatorPolicy:
@@ -78,19 +84,16 @@ class OperatorPolicy:
         state, _ = self._base
         if not self._operator.holds:
             return self._refused()
-        return NotArmedError(
-            str(state.reason) if state is not None else "base is not heard; check that giraff_base runs"
-        )
+        return _not_armed(state)
 
     def drive(self, linear_x: float, angular_z: float, now: float) -> DriveCommand:
         """A wish of this moment: m/s and rad/s. Raises RobotError where it can no longer be obeyed."""
         self._raise_if_stopped(now)
         if not self._operator.holds:
-            raise self._refused("; a script calls robot.arm()")
+            raise self._refused()
         state, _ = self._base
         if state is None or not state.armed:
-            why = state.reason if state is not None else "base is not heard; check that giraff_base runs"
-            raise NotArmedError(f"{why}; a script calls robot.arm()")
+            raise _not_armed(state)
         return self._made((linear_x, angular_z))
 
     def final_command(self) -> DriveCommand:
@@ -102,9 +105,9 @@ class OperatorPolicy:
         fault = self._operator.link_fault(now)
         return LostRobotError(str(fault)) if fault else None
 
-    def _refused(self, way_out: str = "") -> RefusedError:
+    def _refused(self) -> RefusedError:
         holder = self._operator.holder
-        return (TakenError if holder else RefusedError)(holder, f"{self._operator.refusal}{way_out}")
+        return (TakenError if holder else RefusedError)(holder, _then_arm(self._operator.refusal))
 
     def _raise_if_stopped(self, now: float) -> None:
         if lost := self.lost(now):
@@ -114,3 +117,13 @@ class OperatorPolicy:
 
     def _made(self, twist: tuple[float, float], *, takes: bool = False) -> DriveCommand:
         return self._operator.say(Wish(*twist, self._operator.tick, takes))
+
+
+def _not_armed(state: BaseState | None) -> NotArmedError:
+    return NotArmedError(_then_arm(state.reason if state is not None else _NO_BASE))
+
+
+def _then_arm(trouble: Trouble) -> str:
+    """Return it in the words of a script, which arms the robot last."""
+    trouble = trouble or _LET_GO
+    return (trouble if trouble.action else msgspec.structs.replace(trouble, action="hold_level")).line(SCRIPT)

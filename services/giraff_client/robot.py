@@ -38,7 +38,7 @@ from giraff_node.network.discovery import (
     stand_in,
 )
 from giraff_node.network.hand import open_hand
-from giraff_node.network.reach import find_silent
+from giraff_node.network.reach import find_silent, silence_text
 from giraff_node.network.session import NobodyError, close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
@@ -235,7 +235,7 @@ class Robot(Motions, States, FrameReader, CameraReader):
         except ConfigError as error:
             raise NoRobotError(f"{error}; {CORRECT_IT}") from error
         if silent := find_silent(self._connect):
-            raise NoRobotError(f"connect: {'; '.join(silent)}; check the address, and that the robot is on")
+            raise NoRobotError(f"connect: {silence_text(silent)}; check the address, and that the robot is on")
         try:
             if way.warning:
                 logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)

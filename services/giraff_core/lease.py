@@ -12,13 +12,12 @@ from giraff_schemas.trouble import WELL, Trouble
 
 ASK: Final = 0
 """The counter of a command that asks for the lease."""
-HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
-IDLE: Final = Trouble("idle: nobody asks to drive", HOW_TO_ASK)
+IDLE: Final = Trouble("idle: nobody asks to drive", action="ask")
 """Reason of a lease that is free while nothing is wrong."""
 _LATE: Final = 50
 """Samples, 5 s, by which a word may be late. One that is further behind shows that the newest was none of the guard's:
 a single false one must not make this operator deaf for good."""
-_RENEWED: Final = Trouble("another hand takes over here: a new lease is asked for, and the robot must be armed again")
+_RENEWED: Final = Trouble("another hand takes over here, and asks for a new lease", action="hold_level")
 _NO_GUARD: Final = Trouble("the guard is not heard", "check that giraff_guard runs and that both share a network")
 
 _BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")

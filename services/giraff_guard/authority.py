@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from giraff_core.freshness import age
-from giraff_core.lease import ASK, HOW_TO_ASK, IDLE
+from giraff_core.lease import ASK, IDLE
 from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
@@ -18,7 +18,6 @@ _MOST_AHEAD: Final = 1000
 _MOST_UNRANKED: Final = 8  # names; on an open network anybody may ask under any number of them
 _LINK: Final = "check its link"
 _AT_FAULT: Final = "was at fault"
-_HOW_TO_TAKE: Final = "tilt or press a drive key to take it, then hold level with no key pressed to arm"
 
 
 class Authority:
@@ -113,17 +112,17 @@ class Authority:
             config = self._live.config
             held = f"held by {self.operator} ({self.holder[:8]})"
             if config.rank(self.operator) < 0:
-                return Trouble(f"{held}, which gives way to others", _HOW_TO_TAKE)
-            return Trouble(
-                f"{held} until it rests for {config.idle_release:g} s, is silent for {config.operator_release:g} s or "
-                f"at fault for {config.fault_release:g} s",
-                f"then {HOW_TO_ASK}",
+                return Trouble(f"{held}, which gives way to others", action="take", argument=self.operator)
+            free = (
+                f"wait until it rests for {config.idle_release:g} s, is silent for {config.operator_release:g} s or "
+                f"at fault for {config.fault_release:g} s"
             )
+            return Trouble(held, free, "ask", self.operator)
         if complaint := self._recent_complaint(now):
             return complaint
         if self._ended:
-            return Trouble(f"nobody drives, since {self._ended}", HOW_TO_ASK)
-        return Trouble("no operator is heard", "start giraff drive or giraff_joystick") if self._is_alone else IDLE
+            return Trouble(f"nobody drives, since {self._ended}", action="ask")
+        return Trouble("no operator is heard", action="start") if self._is_alone else IDLE
 
     def _consider(self, command: DriveCommand, now: RobotTime) -> None:
         """Grant the lease to a fresh asker, if it may have it."""

@@ -54,10 +54,12 @@ class BumperSource:
         if config.room_behind > 0.0:
             for switch in self._of(OTHER[way]):
                 if why := switch.push(motion, config.near):
-                    return limits.block(switch.name, f"{why}; driving {way} rolls the robot back first")
+                    return limits.block(
+                        switch.name, Trouble(f"{why.what}, and driving {way} rolls the robot back first")
+                    )
             for switch in self._of(OTHER[way]):
                 if blindness := switch.blindness(config.range_budget, now):
-                    return limits.creep(switch.name, str(blindness))
+                    return limits.creep(switch.name, blindness)
         return limits.allow(limits.most)
 
     def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> None:
@@ -90,7 +92,7 @@ class BumperSource:
     def _blocked(self, way: Way, motion: Motion, now: RobotTime) -> Verdict | None:
         limits = self._limits
         for switch in self._of(way):
-            if why := str(switch.blindness(limits.config.range_budget, now)) or switch.push(motion, limits.config.near):
+            if why := switch.blindness(limits.config.range_budget, now) or switch.push(motion, limits.config.near):
                 return limits.block(switch.name, why)
         return None
 
@@ -131,21 +133,21 @@ class _Switch:
             return Trouble(f"{self.name} is stale ({last})", "check giraff_ranger and its board")
         return WELL
 
-    def push(self, motion: Motion, near: float) -> str:
-        """Why something stands at it; empty: nothing does. `near`: m; twice as much is away."""
+    def push(self, motion: Motion, near: float) -> Trouble:
+        """Why something stands at it; WELL: nothing does. `near`: m; twice as much is away."""
         if self._newest is not None and self._newest.pressed:
-            return f"{self.name} is pushed: something touches it, or its wire is cut"
+            return Trouble(f"{self.name} is pushed: something touches it, or its wire is cut")
         touched = self._touched
         if touched is None:
-            return ""
+            return WELL
         if self._place_is_lost or not motion.heard:
             touched = self._touch(motion)
         axis = 0.0 if SIGN[self.way] > 0.0 else math.pi
         backed = -touched.ahead(motion.place, axis)
         if backed >= 2.0 * near or abs(motion.place.yaw - touched.yaw) >= _TURNED_AWAY:
             self._touched = None
-            return ""
-        return f"{self.name} was pushed here, and the robot has not come {2.0 * near:g} m away"
+            return WELL
+        return Trouble(f"{self.name} was pushed here, and the robot has not come {2.0 * near:g} m away")
 
     def _touch(self, motion: Motion) -> Pose:
         """Take where the robot is for where it was pushed. While no wheels are heard, that place is not certain."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import msgspec
+
 from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
@@ -42,7 +44,7 @@ class Bond:
                 return False
             if self.maker:
                 another = f"another {self._what}, {maker}, took the place of {self.maker}"
-                self._report(Trouble(another, "arm again"), robot_ns)
+                self._report(Trouble(another, action="hold_level"), robot_ns)
             self.maker, self._seq = maker, -1
         if seq <= self._seq:
             return False
@@ -127,7 +129,7 @@ class Identity:
         """Two of what there may be one of, or one replaced: the robot must be armed anew."""
         found = [fault for bond in (self._base, *self._rangers.values()) if (fault := bond.fault(robot_ns))]
         *others, last = found or [WELL]
-        return Trouble("; ".join([*map(str, others), last.what]), last.remedy)
+        return msgspec.structs.replace(last, what="; ".join([*map(str, others), last.what]))
 
     def base_fault(self, robot_ns: int) -> Trouble:
         """Why base's clock is not known now."""

@@ -9,7 +9,7 @@ from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.stopping import fastest, stopping_distance
 from giraff_schemas.messages import Freedom, Verdict
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 
 Way = Literal["forward", "backward"]
 
@@ -51,17 +51,17 @@ class Limits:
         config = self.config
         return stopping_distance(speed, config.reaction_time, config.deceleration or _UNMEASURED, config.run_on)
 
-    def block(self, sensor: str, reason: str) -> Verdict:
+    def block(self, sensor: str, reason: Trouble) -> Verdict:
         """Nothing passes."""
-        return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=Trouble(reason))
+        return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=reason)
 
-    def creep(self, sensor: str, reason: str) -> Verdict:
+    def creep(self, sensor: str, reason: Trouble) -> Verdict:
         """As slowly as where nobody looks."""
         return self.allow(self.config.creep_linear, sensor, reason)
 
-    def allow(self, allowed: float, sensor: str = "", reason: str = "") -> Verdict:
+    def allow(self, allowed: float, sensor: str = "", reason: Trouble = WELL) -> Verdict:
         """Up to `allowed` m/s; what the robot cannot do anyway is free."""
         if allowed >= self.most:
             return Verdict(allowed=self.most, freedom="free", sensor="")
         freedom: Freedom = "creep" if allowed <= self.config.creep_linear else "slow"
-        return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=Trouble(reason))
+        return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason)

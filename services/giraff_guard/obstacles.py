@@ -183,7 +183,8 @@ class Obstacles:
         side = next(filter(None, (source.freer_side(way) for source in self._sources)), "")
         turn = f"turn {side}".strip()
         remedy = f"{turn} or {_BACK[way]}" if other.allowed > 0.0 else turn
-        return msgspec.structs.replace(verdict, reason=Trouble(verdict.reason.what, remedy))
+        remedy = ", or ".join(filter(None, (verdict.reason.remedy, remedy)))
+        return msgspec.structs.replace(verdict, reason=msgspec.structs.replace(verdict.reason, remedy=remedy))
 
     def _within_the_robots_means(self, linear: float, angular: float) -> tuple[float, float, Trouble]:
         largest = self._robot.max_angular_speed

@@ -14,6 +14,7 @@ from giraff_keyboard.service import Keyboard
 from giraff_keyboard.terminal import Terminal
 from giraff_keyboard.view import DriveView
 from giraff_node import Node
+from giraff_schemas.actions import KEYS
 
 _LAST_REQUESTS: Final = 2.0  # s that a stop is still asked for after Ctrl-C
 
@@ -71,4 +72,4 @@ def go_on_asking(keyboard: Keyboard) -> str:
     while stopping.asked and (now := time.monotonic()) < until:
         keyboard.ask_on(now)
         time.sleep(0.01)
-    return stopping.text if stopping.asked else ""
+    return stopping.outcome.line(KEYS) if stopping.asked else ""

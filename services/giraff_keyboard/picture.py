@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import re
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Final
 
+import msgspec
 from rich.console import Console, ConsoleOptions, Group, RenderableType
 from rich.text import Text
 
 from giraff_core.latest import FRESH
-from giraff_keyboard.words import for_keys
+from giraff_keyboard.reset_request import release_question
+from giraff_schemas.actions import KEYS
 from giraff_schemas.text import printable
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import RANGE_SENSORS
 from giraff_telemetry import panels as blocks
 from giraff_telemetry.collector import Snapshot
@@ -27,8 +29,6 @@ _LABEL: Final = 7  # characters
 _DIRECTION: Final = 11  # characters
 _ROWS_OF_A_TEXT: Final = 3
 _ROWS_OF_A_DIRECTION: Final = 2
-_HOW_TO_ARM: Final = re.compile(r"let go of all keys for [0-9.]+ s")
-_OF_THE_STOP: Final = "emergency stop by "
 _GOOD, _WAITS, _BAD, _ALARM = "green", "yellow", "red", "bold red"
 
 
@@ -78,9 +78,9 @@ class DrivePicture:
     is_mine: bool
     driver: str
     """Whom the guard obeys; empty: nobody."""
-    why: str
-    """What stops the robot, with the way out; empty: nothing does."""
-    stop: str
+    why: Trouble
+    """What stops the robot. WELL: nothing does."""
+    stop: Trouble
     """What became of an emergency stop, or of its release, that was asked for here."""
     step: int
     steps: int
@@ -120,24 +120,25 @@ class DrivePicture:
             return "nobody's: press an arrow key or c to take it, then let go of all keys", _WAITS
         if base.sample.armed:
             return "yours, armed: hold an arrow key to drive", _GOOD
-        how = _HOW_TO_ARM.search(for_keys(str(base.sample.reason)))
-        return f"yours, not armed: {how.group() if how else 'WHY says what is missing'}", _WAITS
+        reason = base.sample.reason
+        arm = reason.to_do(KEYS) if reason.action == "hold_level" else "WHY says what is missing"
+        return f"yours, not armed: {arm}", _WAITS
 
     def reason(self) -> tuple[str, str]:
         """What stops it, in a keyboard's words, the emergency stop before all else; and the style."""
-        if self._is_stopped() or self.why.startswith(_OF_THE_STOP):
+        if self._is_stopped() or self.why.action == "release":
             return "the emergency stop, as below", _WAITS
-        return (for_keys(self.why), _WAITS) if self.why else ("nothing: the robot obeys", _GOOD)
+        return (self.why.line(KEYS), _WAITS) if self.why else ("nothing: the robot obeys", _GOOD)
 
     def stopping(self) -> tuple[str, str]:
         """The emergency stop, with the way out; and the style."""
         seen = self.snapshot.estop
         estop = seen.sample if seen is not None and seen.fresh else None
-        if estop is not None and estop.engaged and estop.by not in self.stop:
-            told = self.stop or f"{'OFF' if estop.off else 'ENGAGED'}; r asks to release it"
-            return for_keys(f"{told}. By {estop.by}: {estop.reason}"), _ALARM
+        if estop is not None and estop.engaged and self.stop != release_question(estop):
+            told = msgspec.structs.replace(self.stop, action="") or Trouble("OFF" if estop.off else "ENGAGED")
+            return f"{told}. By {estop.by}: {estop.reason.line(KEYS)}", _ALARM
         if self.stop:
-            return for_keys(self.stop), _ALARM
+            return self.stop.line(KEYS), _ALARM
         if estop is None:
             return "unknown, since base is not heard; SPACE asks for it all the same", _BAD
         return "released; SPACE engages it", _GOOD
@@ -189,5 +190,5 @@ def _directions(snapshot: Snapshot) -> Iterator[Paragraph]:
             head.append(f"{verdict.freedom:<8}", style=blocks.FREEDOM_STYLE[verdict.freedom])
             unit = "rad/s" if label.startswith("turn") else "m/s"
             head.append(f"{verdict.allowed:.2f} {unit:<6}", style="default")
-            why = for_keys(str(verdict.reason))
+            why = verdict.reason.line(KEYS)
         yield Paragraph(head, why, "default", _ROWS_OF_A_DIRECTION, _DIRECTION, low_rows=1)

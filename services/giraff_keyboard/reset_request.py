@@ -13,11 +13,20 @@ from giraff_core.estop.release import EStopRelease
 from giraff_core.estop.request import Request
 from giraff_keyboard.policy import Key
 from giraff_schemas.messages import EStop, RobotTime
+from giraff_schemas.trouble import WELL, Trouble
 
 READ_FIRST: Final = 0.5
 """s after the question within which a yes is no answer to it: words that are typed have R and Y, too."""
 ASKS_FOR: Final = 5.0
 """s that the question stands."""
+_NOT_ENGAGED: Final = Trouble("Nothing to release: the emergency stop is not engaged")
+
+
+def release_question(latch: EStop) -> Trouble:
+    """Return the question to the person, with what is to be done before a yes."""
+    command = latch.reason.argument
+    what = f"RELEASE? y: yes, any other key: no. It is the stop by {latch.by}: {latch.reason.what}"
+    return Trouble(what, latch.reason.remedy, "run" if command else "", command)
 
 
 class _Question(NamedTuple):
@@ -37,7 +46,7 @@ class ResetRequest(EStopRelease):
 
     def on_key(self, key: Key, moment: RobotTime | None, now: float, *, stopping: bool) -> None:
         """Take a press. `moment`: the robot's time now, None while it is lost; `stopping`: a stop is not confirmed."""
-        question, self._question, self.text = self._question, None, ""
+        question, self._question, self.outcome = self._question, None, WELL
         if key is Key.STOP:
             self.withdraw()  # who wants a stop wants no release any more
         elif stopping or self.is_asked:
@@ -49,38 +58,39 @@ class ResetRequest(EStopRelease):
 
     def poll(self, now: float) -> bool:
         if self._question is not None and now - self._question.asked > ASKS_FOR:
-            self._question, self.text = None, ""
+            self._question, self.outcome = None, WELL
         return super().poll(now)
 
     def _ask_person(self, now: float) -> None:
-        latch, self.text = self._shown(now)
+        latch, self.outcome = self._shown(now)
         if latch is not None:
             self._question = _Question(latch, now)
-            self.text = f"RELEASE? y: yes, any other key: no. It is the stop by {latch.by}: {latch.reason}"
+            self.outcome = release_question(latch)
 
     def _answer(self, question: _Question, moment: RobotTime | None, now: float) -> None:
         if now - question.asked < READ_FIRST:
-            self.text = "Nothing is released: that was too quick; press r, read, then y"
+            self.outcome = Trouble("Nothing is released: that was too quick", "press r, read, then y")
             return
-        latch, self.text = self._shown(now)
+        latch, self.outcome = self._shown(now)
         if latch is None:
             return
         if _identity(latch) != _identity(question.latch):
-            self.text = "Nothing is released: there is another stop now; press r to see it"
+            self.outcome = Trouble("Nothing is released: there is another stop now", "press r to see it")
         elif moment is None:
-            self.text = "Nothing is released: the robot is not heard; press r when it is"
+            self.outcome = Trouble("Nothing is released: the robot is not heard", "press r when it is")
         else:
             self.ask(self._begin(latch, moment), now)
 
-    def _shown(self, now: float) -> tuple[EStop | None, str]:
+    def _shown(self, now: float) -> tuple[EStop | None, Trouble]:
         """The latch that is engaged now; else why there is none to release."""
         states = [state for state, _ in self.states(now)]
         if not states:
-            return None, "Nothing is released: base is not heard"
+            return None, Trouble("Nothing is released: base is not heard")
         if len(states) > 1:
-            return None, f"Nothing is released: {len(states)} bases have this robot's name; end all but one"
+            several = f"Nothing is released: {len(states)} bases have this robot's name"
+            return None, Trouble(several, "end all but one")
         [state] = states
-        return (state, "") if state.engaged else (None, "Nothing to release: the emergency stop is not engaged")
+        return (state, WELL) if state.engaged else (None, _NOT_ENGAGED)
 
 
 def _identity(latch: EStop) -> tuple[str, int, int]:

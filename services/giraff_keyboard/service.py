@@ -42,7 +42,7 @@ class Screen(Selectable, Protocol):
     def is_gone(self) -> bool: ...
     def read(self) -> bytes: ...
     def take(self, sample: Sample, now: float) -> None: ...
-    def show(self, policy: KeyboardPolicy, stop: str, now: float) -> None: ...
+    def show(self, policy: KeyboardPolicy, stop: Trouble, now: float) -> None: ...
 
 
 class Keyboard(OperatorService):
@@ -59,7 +59,7 @@ class Keyboard(OperatorService):
             asked = EStopEngage(by=by, reason=Trouble("space bar held" if off else "space bar"), off=off)
             return io.ask(ESTOP_ENGAGE, asked, settles)
 
-        self.stopping = EStopRequest(engage, "press r to release it", is_open=io.is_open)
+        self.stopping = EStopRequest(engage, is_open=io.is_open)
 
         def reset(shown: EStop, moment: RobotTime) -> Request:
             asked = EStopReset(by=by, id=shown.id, tick=moment, engaged_ns=shown.engaged_ns)
@@ -94,7 +94,7 @@ class Keyboard(OperatorService):
             policy.on_stopped()
         self.say(now)
         if self._status_timer.due(now) or pressed:
-            self._screen.show(policy, self._stop_text, now)
+            self._screen.show(policy, self._stop_outcome, now)
 
     def ask_on(self, now: float) -> None:
         """Go on asking for a stop after the last turn."""
@@ -103,6 +103,6 @@ class Keyboard(OperatorService):
         self.stopping.poll(now)
 
     @property
-    def _stop_text(self) -> str:
+    def _stop_outcome(self) -> Trouble:
         """What became of the stop that was asked for, or of its release."""
-        return self.stopping.text if self.stopping.asked else self._resetting.text or self.stopping.text
+        return self.stopping.outcome if self.stopping.asked else self._resetting.outcome or self.stopping.outcome

@@ -26,6 +26,7 @@ from rich.text import Text
 from giraff_keyboard.picture import DrivePicture
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_keyboard.view import DriveView
+from giraff_schemas.trouble import Trouble
 from giraff_telemetry.console import CleanConsole
 
 _READ: Final = 4096
@@ -122,7 +123,7 @@ class Terminal:
             self.is_gone = True
         return data
 
-    def show(self, policy: KeyboardPolicy, stop: str, now: float) -> None:
+    def show(self, policy: KeyboardPolicy, stop: Trouble, now: float) -> None:
         """Draw what is to be seen from now on. `stop`: what became of one, or of its release, asked for here."""
         self._picture = self._view.draw(policy, stop, now)
         if self._page.is_started:

@@ -9,6 +9,7 @@ from giraff_core.operator import what_stops
 from giraff_keyboard.picture import DrivePicture
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
+from giraff_schemas.trouble import Trouble
 from giraff_telemetry.collector import Telemetry
 
 
@@ -24,7 +25,7 @@ class DriveView:
         self.take = self._telemetry.take
         self._began: float | None = None
 
-    def draw(self, policy: KeyboardPolicy, stop: str, now: float) -> DrivePicture:
+    def draw(self, policy: KeyboardPolicy, stop: Trouble, now: float) -> DrivePicture:
         """What is to be seen now. `stop`: what became of a stop, or of its release, that was asked for here."""
         self._began = now if self._began is None else self._began
         snapshot = self._telemetry.snapshot(_ns(now))
@@ -35,10 +36,8 @@ class DriveView:
             is_lost=policy.moment(now) is None,
             is_mine=policy.operator.holds,
             driver=policy.operator.holder,
-            why=str(
-                what_stops(policy.trouble(now), _fresh(snapshot.base), _fresh(snapshot.guard))
-                or policy.operator.rank_notice
-            ),
+            why=what_stops(policy.trouble(now), _fresh(snapshot.base), _fresh(snapshot.guard))
+            or policy.operator.rank_notice,
             stop=stop,
             step=policy.step,
             steps=policy.steps,

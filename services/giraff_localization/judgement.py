@@ -61,7 +61,10 @@ _UNHEARD: Final = 3.0
 _LOOKS: Final = Trouble("not found yet", "drive on, along walls and round corners, and turn now and then")
 _CHECKS: Final = Trouble("it was told where it is, and that is checked", "drive on two metres or three")
 _UNCONFIRMED: Final = Trouble(
-    "the sensors have not confirmed the place that was told", "drive on, or tell it with `giraff localize --at X,Y,YAW`"
+    "the sensors have not confirmed the place that was told",
+    "drive on; if that does not help",
+    "run",
+    "giraff localize --at X,Y,YAW",
 )
 _DOUBTS: Final = Trouble(
     "what the sensors hear fits this place no more: carried away, or things stand about", "drive on"

@@ -31,9 +31,7 @@ _MOST_TURN: Final = math.radians(10.0)
 _OTHERWISE: Final = "or give the point in odom"
 _NEVER: Final = Trouble("no pose on the map is heard", f"start giraff_localization, {_OTHERWISE}")
 _SILENT: Final = Trouble("no pose on the map is heard any more", f"check giraff_localization, {_OTHERWISE}")
-_TWO: Final = Trouble(
-    "two processes say where the robot is on the map", "stop one of them (`giraff node list` shows both)"
-)
+_TWO: Final = Trouble("two processes say where the robot is on the map", "stop one of them", "run", "giraff node list")
 _OLD: Final = Trouble(
     "the pose on the map is from before this start of base or odometry, or old", "wait for localization"
 )
@@ -84,7 +82,7 @@ class Localized:
             return _TWO
         if pose.state not in {"localized", "told"}:
             unknown = f"it is not known where the robot is on the map ({pose.state})"
-            return pose.reason or Trouble(unknown, "`giraff localize`")
+            return pose.reason or Trouble(unknown, "", "run", "giraff localize")
         if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._origin.holds(pose.tick):
             return _OLD
         return WELL

@@ -214,9 +214,8 @@ class MotionPolicy(Hand):
         if base is None or now - heard > _STATES_COUNT:
             return _NO_BASE
         if self._estop is not None and self._estop.engaged:
-            stop = self._estop.reason.of(f"emergency stop, engaged by {self._estop.by}")
-            return _and_then(stop, "release it, then ask again")
-        return WELL if base.board.connected else _and_then(base.reason, "then ask again")
+            return self._estop.reason.of(f"emergency stop, engaged by {self._estop.by}")
+        return WELL if base.board.connected else base.reason
 
     def _review(self, motion: Goal, now: float) -> None:
         """End what must not go on; begin to move once the robot is armed."""
@@ -296,8 +295,3 @@ class MotionPolicy(Hand):
         if tick is None or newest is None or tick.epoch != newest.epoch:
             return math.inf
         return (newest.robot_ns - tick.robot_ns) * 1e-9
-
-
-def _and_then(trouble: Trouble, step: str) -> Trouble:
-    """Add a last step to its remedy."""
-    return Trouble(trouble.what, f"{trouble.remedy}; {step}" if trouble.remedy else step)

@@ -144,7 +144,7 @@ class IncidentDetector:
     def on_estop(self, estop: EStop, now: float) -> None:
         """`now` here and below: monotonic, s."""
         if estop.engaged and self._engaged is False:
-            self._tell(now, "estop", f"emergency stop by {estop.by}: {estop.reason}")
+            self._tell(now, "estop", f"emergency stop by {estop.by}: {estop.reason.what}")
         self._engaged = estop.engaged
 
     def on_base(self, base: BaseState, now: float) -> None:

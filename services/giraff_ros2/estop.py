@@ -8,6 +8,7 @@ from typing import Final
 from giraff_core.estop.request import EStopRequest, Request
 from giraff_core.io import IO
 from giraff_ros2.port import Call
+from giraff_schemas.actions import ROS
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE
@@ -16,7 +17,6 @@ from giraff_schemas.trouble import Trouble
 _ANSWERS_WITHIN: Final = 3.0
 """s after which a call is answered that base has not confirmed. The stop goes on being asked for."""
 _MOST: Final = 16  # calls that wait
-_RELEASE: Final = "giraff estop reset releases it"
 
 
 class StopCalls:
@@ -28,7 +28,7 @@ class StopCalls:
         def engage(settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
             return io.ask(ESTOP_ENGAGE, EStopEngage(by=by, reason=Trouble("service estop of ROS"), off=off), settles)
 
-        self._request = EStopRequest(engage, _RELEASE, is_open=io.is_open)
+        self._request = EStopRequest(engage, is_open=io.is_open)
         self._calls: list[tuple[Call, float]] = []
         self._told: bool | None = None
         self._newest: EStop | None = None
@@ -56,7 +56,7 @@ class StopCalls:
         confirmed = self._request.poll(now)
         for call, at in self._calls:
             if confirmed or now - at >= _ANSWERS_WITHIN:
-                call.answer(confirmed, self._request.text)
+                call.answer(confirmed, self._request.outcome.line(ROS))
         self._calls = [(call, at) for call, at in self._calls if not confirmed and now - at < _ANSWERS_WITHIN]
 
     def news(self) -> bool | None:

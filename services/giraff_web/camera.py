@@ -12,7 +12,7 @@ from typing import Final, Protocol
 
 from giraff_schemas.camera import CameraState, Picture, PictureSize
 from giraff_schemas.trouble import WELL, Trouble
-from giraff_web.messages import CameraView, Looking, on_page
+from giraff_web.messages import CameraView, Looking
 from giraff_web.pages import Pages
 
 SILENT: Final = 1.5
@@ -98,9 +98,9 @@ class PagesLooking:
         if self._state is None:
             return None
         if now - self._heard > SILENT:
-            return CameraView(askers=(), why=str(_NO_CAMERA))
+            return CameraView(askers=(), why=_NO_CAMERA)
         why = (self._source.trouble if self._source is not None else WELL) or self._state.reason
-        return CameraView(askers=tuple(asker.by for asker in self._state.askers), why=str(on_page(why)))
+        return CameraView(askers=tuple(asker.by for asker in self._state.askers), why=why)
 
     def on_state(self, state: CameraState, now: float) -> None:
         """Take what a camera says of itself. Of several, the one that was heard first counts."""
@@ -123,7 +123,7 @@ class PagesLooking:
                 self._counts_from = -math.inf
             self._looking.setdefault(page, _Page(device))
             self._largest, self._quick = "small", 0  # nothing is known of the link to this page
-            self._tell.tell(page, Looking(on=True, why=""))
+            self._tell.tell(page, Looking(on=True, why=WELL))
             if self._source is not None:
                 self._source.by = self._named()
 
@@ -187,7 +187,7 @@ class PagesLooking:
 
     def _end(self, page: int, why: Trouble) -> None:
         self._looking.pop(page, None)
-        self._tell.tell(page, Looking(on=False, why=str(why)))
+        self._tell.tell(page, Looking(on=False, why=why))
         self._close_unseen()
 
     def _close_unseen(self) -> None:

@@ -1,6 +1,7 @@
 """What page and service say to each other on the WebSocket: JSON objects, each with its `type`.
 
-Numbers of 64 bits travel as decimal strings, since a page's own numbers are exact to 2^53 only. SI units, REP-103.
+Numbers of 64 bits travel as decimal strings, since a page's own numbers are exact to 2^53 only. SI units, REP-103. The
+page says each `Trouble` in its own words; where its `what` is empty, nothing is wrong.
 """
 
 from __future__ import annotations
@@ -9,7 +10,6 @@ from typing import Annotated, Final, Literal
 
 import msgspec
 
-from giraff_core.estop.latch import RESET_COMMAND
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.trouble import Trouble
 
@@ -26,21 +26,6 @@ Reading = tuple[_Seconds, _Acceleration, _Acceleration, _Acceleration]
 """When (s, of the page's own clock) and DeviceMotion's accelerationIncludingGravity (x, y, z; m/s²)."""
 
 Input = Literal["tilt", "pad", "keys", "gamepad"]
-
-RELEASE: Final = "{release}"
-"""A page writes here how to release the stop: a page that only watches has no such button."""
-_BY_HAND: Final = ("hold the hand level", "to arm", "giraff drive")
-"""Each page says below the reason how its own hand takes and arms the robot."""
-
-
-def on_page(trouble: Trouble) -> Trouble:
-    """Replace a remedy of the terminal, or of another hand, by one that a page offers."""
-    if any(words in trouble.remedy for words in _BY_HAND):
-        return Trouble(trouble.what)
-    see = f"see that the robot may move, then {RELEASE}"
-    remedy = trouble.remedy.replace(f"to go on: {RESET_COMMAND}", see).replace(RESET_COMMAND, RELEASE)
-    ask = "ask somebody at the robot's computer to see what is wrong there"
-    return Trouble(trouble.what, ask if "giraff " in remedy else remedy)
 
 
 def moment(tick: RobotTime | None) -> Moment | None:
@@ -192,8 +177,7 @@ class Direction(msgspec.Struct, frozen=True, kw_only=True):
     allowed: float
     """m/s or rad/s."""
     sensor: str
-    reason: str
-    way_out: str
+    reason: Trouble
 
 
 class Latch(msgspec.Struct, frozen=True, kw_only=True):
@@ -204,9 +188,7 @@ class Latch(msgspec.Struct, frozen=True, kw_only=True):
     word: str
     """Whose word it is, where it is shown as confirmed."""
     by: str
-    reason: str
-    remedy: str
-    """Remedy in the words of the page, with `RELEASE` in it."""
+    reason: Trouble
     id: str
     engaged_ns: str
 
@@ -218,7 +200,7 @@ class Echo(msgspec.Struct, frozen=True, kw_only=True):
     """echo, clear, fault, or silent: nothing was heard of it of late."""
     range: float | None
     """m, of an echo."""
-    reason: str
+    reason: Trouble
 
 
 class Balance(msgspec.Struct, frozen=True, kw_only=True):
@@ -245,8 +227,8 @@ class CameraView(msgspec.Struct, frozen=True, kw_only=True):
 
     askers: tuple[str, ...]
     """Who looks now; empty: the camera is off."""
-    why: str
-    """What is wrong with it, with the way out; empty: nothing."""
+    why: Trouble
+    """Cause, where something is wrong with it."""
 
 
 class MapView(msgspec.Struct, frozen=True, kw_only=True):
@@ -261,8 +243,8 @@ class MapView(msgspec.Struct, frozen=True, kw_only=True):
     """m². xx, xy and yy of `pose`."""
     yaw_sd: float
     """rad. Standard deviation of the yaw."""
-    why: str
-    """Why the sensors do not confirm the pose, with the remedy; empty: they do."""
+    why: Trouble
+    """Cause, where the sensors do not confirm the pose."""
     odom: tuple[float, float, float]
     """x, y (m) and yaw (rad) of the frame `odom` on that floor plan."""
 
@@ -282,11 +264,11 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     page: int
     """Number of that page; 0: none."""
     armed: bool | None
-    why: str
-    """Why the robot does not drive as this service's hand asks, or would not, with the way out; empty: it obeys."""
+    why: Trouble
+    """Cause, where the robot does not drive as this service's hand asks, or would not."""
     stop: Latch | None
-    stop_text: str
-    """What became of a stop or a release that was asked for here; empty: nothing is open."""
+    stop_outcome: Trouble
+    """Outcome of a stop or a release that was asked for here. `WELL`: nothing is open."""
     directions: dict[str, Direction] | None
     """By forward, backward, turn_left, turn_right."""
     ranges: dict[str, Echo]
@@ -317,17 +299,18 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
 
 
 class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):
-    """Why this page's hold does not count, with the way out; empty: it does, or there is none."""
+    """This page's hold does not count, or does again."""
 
-    why: str
+    why: Trouble
+    """`WELL`: it counts, or there is none."""
 
 
 class Looking(_ToPage, frozen=True, kw_only=True, tag="looking"):
     """Whether this page is sent the camera's picture."""
 
     on: bool
-    why: str
-    """Why it is off, with the way out; empty: a person has switched it."""
+    why: Trouble
+    """Cause, where it is off and no person has switched it."""
 
 
 class OpenPage(msgspec.Struct, frozen=True, kw_only=True):

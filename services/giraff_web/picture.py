@@ -13,14 +13,15 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Attitude, EStop, GuardState, Odometry, Range, Sample, Verdict
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, POSE, RANGE, SampleT, Topic
-from giraff_schemas.trouble import WELL
-from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, MapView, Part, State, moment, on_page
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, MapView, Part, State, moment
 from giraff_web.policy import WebPolicy
 
 STALE: Final = 1.5
 """s after which what was heard says nothing of now."""
 _POINTS: Final = 2000
 _APART: Final = 0.03  # m between two points of the path
+_NEVER_HEARD: Final = Trouble("never heard", "check that giraff_ranger runs")
 
 
 class Picture:
@@ -57,8 +58,8 @@ class Picture:
         if isinstance(sample, Odometry):
             self._go_on(sample)
 
-    def state(self, policy: WebPolicy, stop_text: str, now: float, camera: CameraView | None = None) -> State:
-        """The next state. `stop_text`: of what was asked for here."""
+    def state(self, policy: WebPolicy, stop_outcome: Trouble, now: float, camera: CameraView | None = None) -> State:
+        """Return the next state. `stop_outcome`: of a stop or a release that was asked for here."""
         self._n += 1
         base, guard, estop = self._newest(BASE, now), self._newest(GUARD, now), self._newest(ESTOP, now)
         odom, battery = self._newest(ODOM, now), self._newest(BATTERY, now, 3.0 / BATTERY.rate_hz)
@@ -76,9 +77,9 @@ class Picture:
             device=driver.device if driver else "",
             page=driver.page if driver else 0,
             armed=base.armed if base else None,
-            why="" if nobody_asks else str(on_page(what_stops(own, base, guard))),
+            why=WELL if nobody_asks else what_stops(own, base, guard),
             stop=_latch(estop, is_open=self._is_open) if estop else None,
-            stop_text=stop_text,
+            stop_outcome=stop_outcome,
             directions=_directions(guard) if guard else None,
             ranges={sensor: self._echo(sensor, now) for sensor in self._robot.sensors},
             pose=(round(odom.x, 4), round(odom.y, 4), round(odom.yaw, 4)) if odom else None,
@@ -119,11 +120,12 @@ class Picture:
     def _echo(self, sensor: str, now: float) -> Echo:
         latest = self._latest.latest(RANGE.at(sensor), round(now * 1e9))
         if latest is None:
-            return Echo(state="silent", range=None, reason="never heard; check that giraff_ranger runs")
+            return Echo(state="silent", range=None, reason=_NEVER_HEARD)
         if latest.age > max(STALE, 3.0 / RANGE.rate_hz):
-            return Echo(state="silent", range=None, reason=f"silent for {latest.age:.0f} s; check giraff_ranger")
+            silent = Trouble(f"silent for {latest.age:.0f} s", "check giraff_ranger")
+            return Echo(state="silent", range=None, reason=silent)
         reading = latest.sample
-        return Echo(state=reading.state, range=reading.range, reason=str(reading.reason))
+        return Echo(state=reading.state, range=reading.range, reason=reading.reason)
 
     def _newest(self, topic: Topic[SampleT], now: float, lasts: float = STALE) -> SampleT | None:
         """None: what was heard last says nothing of now."""
@@ -143,20 +145,18 @@ def _map_view(place: MapPose) -> MapView:
         pose=(round(place.x, 3), round(place.y, 3), round(place.yaw, 4)),
         covariance=_place_covariance(place),
         yaw_sd=round(place.standard_deviations[2], 4),
-        why=str(on_page(place.reason)),
+        why=place.reason,
         odom=(round(place.odom.x, 3), round(place.odom.y, 3), round(place.odom.yaw, 4)),
     )
 
 
 def _latch(state: EStop, *, is_open: bool) -> Latch:
-    told = on_page(state.reason)
     return Latch(
         engaged=state.engaged,
         off=state.off,
         word=BY_WORD if is_open else "confirmed",
         by=state.by,
-        reason=told.what,
-        remedy=told.remedy,
+        reason=state.reason,
         id=str(state.id),
         engaged_ns=str(state.engaged_ns),
     )
@@ -173,11 +173,5 @@ def _directions(guard: GuardState) -> dict[str, Direction]:
 
 
 def _direction(verdict: Verdict) -> Direction:
-    told = on_page(verdict.reason)
-    return Direction(
-        freedom=verdict.freedom,
-        allowed=round(verdict.allowed, 3),
-        sensor=verdict.sensor,
-        reason=told.what,
-        way_out=told.remedy,
-    )
+    allowed = round(verdict.allowed, 3)
+    return Direction(freedom=verdict.freedom, allowed=allowed, sensor=verdict.sensor, reason=verdict.reason)

@@ -99,7 +99,7 @@ class Web(OperatorService):
         policy.stopping = self._stops.asked
         self.say(now)
         if self._show_timer.due(now):
-            self._pages.show(self._picture.state(policy, self._stops.text, now, self._looking.view(now)))
+            self._pages.show(self._picture.state(policy, self._stops.outcome, now, self._looking.view(now)))
         self._looking.poll(now)
         if (devices := self._looking.devices) != self._lookers:
             self._lookers = devices
@@ -172,7 +172,7 @@ class Web(OperatorService):
             self._log(f"{driver.device} drives" if driver.page else "nobody's page drives any more")
         for page, why in lost.items():
             if why != self._lost.get(page, WELL):
-                self._pages.tell(page, Refused(why=str(why)))
+                self._pages.tell(page, Refused(why=why))
                 if why:
                     self._log(str(why.of(self._policy.device(page))))
         self._lost = lost

@@ -15,7 +15,7 @@ from giraff_core.estop.release import EStopRelease
 from giraff_core.estop.request import EStopRequest, Request
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopReset
-from giraff_web.messages import RELEASE
+from giraff_schemas.trouble import WELL, Trouble
 
 _STANDS: Final = 2.5  # s: a reset may be 1 s old, and then wait 1 s for base's disk
 _ONE_WISH: Final = 1.0  # s; a page says each stop in two ways, and again until it is shown
@@ -37,7 +37,7 @@ class Stops:
         `is_open`: of the network.
         """
         self._device = ""
-        self._stop = EStopRequest(lambda settles, off: engage(self._device, settles, off), RELEASE, is_open=is_open)
+        self._stop = EStopRequest(lambda settles, off: engage(self._device, settles, off), is_open=is_open)
         self._ask_reset = reset
         self._release = EStopRelease()
         self._stands_since: float | None = None
@@ -53,9 +53,9 @@ class Stops:
         return self._stop.asked
 
     @property
-    def text(self) -> str:
-        """What became of a stop or a release that was asked for; empty: nothing is open."""
-        return self._stop.text if self.asked else self._release.text or self._stop.refused_off
+    def outcome(self) -> Trouble:
+        """Return what became of a stop or a release that was asked for. WELL: nothing is open."""
+        return self._stop.outcome if self.asked else self._release.outcome or self._stop.refused_off
 
     def stop(self, device: str, now: float, *, off: bool = False) -> None:
         """Somebody asks for the emergency stop; `off`: and that it is off."""
@@ -85,17 +85,18 @@ class Stops:
                 self._stands_since = None
             return
         if not self._release.is_asked:
-            self._release.text = ""
+            self._release.outcome = WELL
         if since is not None:
             self._stands_since = None
-            self._release.text = f"STILL STOPPED: {self._device} asked for STOP meanwhile; release it again"
+            what = f"STILL STOPPED: {self._device} asked for STOP meanwhile"
+            self._release.outcome = Trouble(what, action="release")
             self._stop.engage()
 
     def reset(self, device: str, asked: EStopReset, now: float) -> None:
         """Somebody asks for the release of the latch that he was shown: he knows of each stop before."""
         self._log(f"{device} asks for the release of the emergency stop")
         if self.asked:
-            self._release.text = "STILL STOPPED: a stop was not confirmed yet; release it again when it is"
+            self._release.outcome = Trouble("STILL STOPPED: a stop was not confirmed yet", action="release")
             return
         self._stands_since = None
         self._release.ask(self._ask_reset(asked), now)
@@ -106,7 +107,7 @@ class Stops:
         if confirmed:
             self._confirmed_at = now
         if self._release.poll(now):
-            self._log(self._release.text or "the emergency stop is released")
+            self._log(str(self._release.outcome) or "the emergency stop is released")
         return confirmed
 
     def _is_off_answered(self, now: float) -> bool:

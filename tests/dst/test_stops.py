@@ -156,5 +156,5 @@ def test_a_wheel_that_is_held_three_times_within_a_minute_engages_the_emergency_
     )
     assert outcome.violations == ()
     assert outcome.counts["stop: not armed since the right wheel was held"] == 2
-    assert outcome.counts["stop: emergency stop by the base board"] == 1
+    assert sum(what.startswith("stop: emergency stop by the base board") for what in outcome.counts) == 1
     assert after[0].driven_ms == 0

@@ -13,6 +13,7 @@ import msgspec
 
 from giraff_core.timer import Timer
 from giraff_schemas.messages import EStop
+from giraff_schemas.trouble import Trouble
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.kinds import world_of
 from giraff_sim.closed_loop import ClosedLoop
@@ -49,7 +50,7 @@ class Browser:
         self.number, self.device, self.may_drive = number, device, may_drive
         self.state: State | None = None
         self.hello: Hello | None = None
-        self.refusals: list[str] = []
+        self.refusals: list[Trouble] = []
         self.input: Input = "pad"
         self.hold = 0
         """Of the finger; 0: it is lifted."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from giraff_schemas.trouble import WELL
 from giraff_web.messages import State
 from tests.loop.browsers import Browser, room
 
@@ -15,7 +16,7 @@ def test_before_anybody_holds_nothing_is_wrong() -> None:
     with room() as it:
         watcher = it.browsers.add("laptop", may_drive=False)
         it.run(1.0)
-        assert (shown(watcher).why, shown(watcher).operator, shown(watcher).armed) == ("", "", False)
+        assert (shown(watcher).why, shown(watcher).operator, shown(watcher).armed) == (WELL, "", False)
 
 
 def test_all_pages_are_told_who_drives() -> None:
@@ -24,7 +25,7 @@ def test_all_pages_are_told_who_drives() -> None:
         it.drive(phone)
         it.run(0.2)
         state = shown(watcher)
-        assert (state.operator, state.device, state.page, state.why) == ("web", "phone", phone.number, "")
+        assert (state.operator, state.device, state.page, state.why) == ("web", "phone", phone.number, WELL)
         assert state.speed is not None
         assert state.speed[0] > 0.2
         assert it.log[-1] == "phone drives"
@@ -38,9 +39,9 @@ def test_who_puts_the_phone_away_is_no_broken_link() -> None:
         it.run(0.5)
         phone.hung = True
         it.run(0.9)
-        assert "the page of phone is out of sight" in shown(watcher).why
+        assert "the page of phone is out of sight" in shown(watcher).why.what
         it.run(4.0)
-        assert (shown(watcher).why, shown(watcher).operator) == ("", "")
+        assert (shown(watcher).why, shown(watcher).operator) == (WELL, "")
 
 
 def test_a_hand_that_was_lost_is_told_with_whose_it_was() -> None:
@@ -50,7 +51,7 @@ def test_a_hand_that_was_lost_is_told_with_whose_it_was() -> None:
         phone.let_go("hidden")
         phone.hung = True  # it says nothing more
         it.run(0.2)
-        assert shown(watcher).why.startswith("phone: the page was hidden")
+        assert shown(watcher).why.what == "phone: the page was hidden"
 
 
 def test_keys_that_are_let_go_arm_the_robot_and_keep_the_lease_while_the_page_is_seen() -> None:
@@ -67,7 +68,7 @@ def test_keys_that_are_let_go_arm_the_robot_and_keep_the_lease_while_the_page_is
         it.run(0.4)
         assert it.armed
         it.run(2.6)
-        assert (it.driver, it.armed, shown(laptop).why) == ("web", True, "")
+        assert (it.driver, it.armed, shown(laptop).why) == ("web", True, WELL)
         laptop.touch()
         it.run(0.05)
         it.go(laptop)

@@ -69,7 +69,7 @@ def test_a_page_that_hung_drives_again_only_with_another_touch(how: Input) -> No
         since = it.now
         it.run(1.2)
         assert it.driven_ms(since) == 0, "the finger was not lifted"
-        assert "let go" in browser.refusals[-1]
+        assert "let go" in browser.refusals[-1].remedy
         browser.let_go()
         browser.tilted = (0.0, 0.0)
         it.drive(browser)
@@ -130,7 +130,7 @@ def test_two_pages_do_not_drive_at_once_and_each_arms_for_itself() -> None:
         two.asks = (-1.0, 0.0)
         it.run(0.5)
         assert it.loop.newest["cmd_vel/web"].linear_x > 0.0
-        assert "phone drives" in two.refusals[-1]
+        assert "phone drives" in two.refusals[-1].what
         one.let_go()
         it.run(0.5)
         since = it.now

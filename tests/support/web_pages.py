@@ -17,6 +17,7 @@ import aiohttp
 import msgspec
 
 from giraff_node.process.unix_socket import listen_at
+from giraff_schemas.trouble import WELL
 from giraff_web.config import WebConfig
 from giraff_web.limits import Limits
 from giraff_web.messages import Hello, State
@@ -26,7 +27,7 @@ from giraff_web.server.host import RIGHTS, HostSocket, own_socket
 from giraff_web.server.server import Server, Site
 
 STATE = State(
-    n=0, tick=None, age=0.0, operator="", device="", page=0, armed=None, why="", stop=None, stop_text="",
+    n=0, tick=None, age=0.0, operator="", device="", page=0, armed=None, why=WELL, stop=None, stop_outcome=WELL,
     directions=None, ranges={}, pose=None, covariance=None, origin="", speed=None, path=None, battery=None,
     round_trip=None,
 )  # fmt: skip

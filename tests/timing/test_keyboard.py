@@ -52,7 +52,7 @@ def test_a_key_let_go_the_space_bar_and_ctrl_c_stop_it_in_time(robot: ProcessRob
         print(f"space bar: PWM 0 after {took:.3f} s")
         with by_the_wall(begin_ns):
             assert took <= 0.35
-        shown.wait_for("r to release it. By keyboard@")
+        shown.wait_for("base has confirmed. By keyboard@")
         hold(shown, b"w", 1.0)
         assert robot.simulator.record(pressed_us + 500_000).driven_ms == 0
 

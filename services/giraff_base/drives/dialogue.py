@@ -131,13 +131,13 @@ class Dialogue(ABC, Generic[ReportT]):
         assert self._report is not None, "base asks only where there is a report"  # noqa: S101
         return self._report
 
-    def _disarms(self, report: ReportT) -> tuple[str, ...]:
+    def _disarms(self, report: ReportT) -> tuple[Trouble, ...]:
         last, found = self._report, [*self._halts(report)]
         if last is not None and report.boot_id != last.boot_id:
             self._releasing = False
-            found.append("the base board was reset")
+            found.append(Trouble("the base board was reset"))
         elif last is not None and last.session in self._ours and report.session not in self._ours:
-            found.append("another program took over the base board")
+            found.append(Trouble("another program took over the base board"))
         return tuple(found)
 
     def _renew(self) -> None:
@@ -161,7 +161,7 @@ class Dialogue(ABC, Generic[ReportT]):
         return report.latch != _UNLATCHED
 
     @abstractmethod
-    def _halts(self, report: ReportT) -> list[str]:
+    def _halts(self, report: ReportT) -> list[Trouble]:
         """Say why the robot must be armed again, by its motion. `_report` is still the one before."""
 
     @abstractmethod

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import msgspec
 
 from giraff_core.robot import WIRING
+from giraff_schemas.actions import Action
 from giraff_schemas.wire import Wiring
+
+CHECK_THEM: Final[tuple[str, Action, str]] = "lift the wheels", "run", "giraff check wheels"
+"""Remedy, action and argument where the wiring may be wrong."""
 
 
 class Soldered(msgspec.Struct, frozen=True, kw_only=True):

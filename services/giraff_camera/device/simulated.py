@@ -68,7 +68,7 @@ class SimulatedCamera:
         self._socket.close()
 
     def _gone(self, why: str) -> Trouble:
-        return Trouble(f"{self._path}: the simulated camera does not answer: {why}", "giraff run --camera starts it")
+        return Trouble(f"{self._path}: the simulated camera does not answer: {why}", "", "run", "giraff run --camera")
 
     def _wrong(self, what: str) -> Trouble:
         return Trouble(f"{self._path}: the simulated camera says what is none of its protocol: {what}", "end it")

@@ -137,8 +137,8 @@ class V4l2Camera:
 
     def _misfit(self, width: int, height: int, how: str) -> DeviceError:
         what = f"{self._path}: it gives {width} x {height} px, {how} than {self._width} x {self._height}"
-        remedy = "set width and height of its table in [robot.sensors], then calibrate it: giraff calibrate camera"
-        return DeviceError(Trouble(what, remedy))
+        remedy = "set width and height of its table in [robot.sensors]"
+        return DeviceError(Trouble(what, remedy, "run", "giraff calibrate camera"))
 
     def _why_silent(self) -> Trouble:
         if not Path(self._path).exists():

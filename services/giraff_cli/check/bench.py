@@ -15,8 +15,8 @@ from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import by_levels
 from giraff_cli.check.wiring import Counted, Side
 from giraff_core.counters import signed32
-from giraff_core.estop.latch import RESET_COMMAND
 from giraff_node.boards.board_link import BoardLink
+from giraff_schemas.actions import RESET_COMMAND
 from giraff_schemas.boards import BoardType
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import (

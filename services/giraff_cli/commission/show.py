@@ -68,7 +68,7 @@ def _refused(settings: RawSettings) -> dict[str, str]:
             loaded["base"].drive.require_countable(loaded["robot"])
         except ValueError as error:
             refused["base"] = f"{settings.place('base')}: {error}"
-    return {table: why.removeprefix(f"{settings.where}: ") for table, why in refused.items()}
+    return {table: text.removeprefix(f"{settings.where}: ") for table, text in refused.items()}
 
 
 def _row(number: int, step: Step, told: Found) -> dict[str, str]:

@@ -20,11 +20,11 @@ from giraff_cli.doctor.inspection import (
 )
 from giraff_cli.network.interfaces import no_network
 from giraff_cli.terminal.text import json_page
-from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS, IPV4_ALONE
 from giraff_node.network.reach import NO_NAME
+from giraff_schemas.actions import ANY
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, ROS2, RUN, SERVICES
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.describe import START_A_HAND
@@ -84,7 +84,7 @@ def _of_machine(machine: Machine) -> Iterator[Finding]:
             severity="warning",
             about="wiring",
             what="how motors and encoders are soldered is not known, so base does not arm",
-            fix=machine.wiring_problem.remedy,
+            fix=machine.wiring_problem.to_do(ANY),
         )
     yield from (_told("warning", "operator", unranked_notice(operator)) for operator in machine.unranked_hands)
 
@@ -109,7 +109,7 @@ def _of_silence(look: Inspection) -> Iterator[Finding]:
 def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
     machine, network = look.machine, look.network
     for problem in filter(None, (machine.loopback_problem, network.problem)):
-        yield "network", problem.what, problem.remedy or _SEE_LOG
+        yield "network", problem.what, problem.to_do(ANY) or _SEE_LOG
     for call in network.calls:
         if told := _of_call(call, look):
             yield told
@@ -121,7 +121,7 @@ def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
         return
     elif not machine.interfaces:
         trouble = no_network(machine.ipv6_alone)
-        yield "network", trouble.what, trouble.remedy
+        yield "network", trouble.what, trouble.to_do(ANY)
     elif network.protocols and network.protocol not in network.protocols:
         theirs = " and ".join(network.protocols)
         secured = "secured" if "tls" in network.protocols else "lan or fixed"
@@ -374,14 +374,12 @@ def _of_state(robot: Robot) -> Iterator[Finding]:
     if robot.estop is not None and robot.estop.engaged:
         why = robot.estop.reason
         what = f"the emergency stop is engaged by {robot.estop.by or 'nobody known'}: {why.what}"
-        is_plain = not why.remedy or why.remedy == f"to go on: {RESET_COMMAND}"
-        fix = f"see that the robot may move: {RESET_COMMAND}" if is_plain else why.remedy
-        yield Finding(severity="note", about="e-stop", what=what, fix=fix)
+        yield Finding(severity="note", about="e-stop", what=what, fix=why.to_do(ANY))
 
 
 def _told(severity: Severity, about: str, trouble: Trouble) -> Finding:
     """What somebody has said."""
-    return Finding(severity=severity, about=about, what=trouble.what, fix=trouble.remedy or _SEE_LOG)
+    return Finding(severity=severity, about=about, what=trouble.what, fix=trouble.to_do(ANY) or _SEE_LOG)
 
 
 def as_document(look: Inspection, found: list[Finding]) -> str:

@@ -134,12 +134,10 @@ def engage_all(
         teller.end()
         lost = silent.result()
         for address in connection.unreached(addresses) if len(addresses) >= SEVERAL else ():
-            if not any(what.startswith(f"{address}: ") for what in lost):
-                lost.append(f"{address}: what listens there does not answer as a door")
-        for what in lost:
-            tell(
-                Result(UNKNOWN, f"--connect {what}; NOT REACHED: a robot there was NOT STOPPED, use its battery switch")
-            )
+            lost.setdefault(address, "what listens there does not answer as a door")
+        for address, why in lost.items():
+            told = f"--connect {address}: {why}; NOT REACHED: a robot there was NOT STOPPED, use its battery switch"
+            tell(Result(UNKNOWN, told))
             code = UNKNOWN
     return code
 

@@ -18,7 +18,7 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import CORRECT_IT, Target, find_robot, require_consent, resolve_target, stand_in
-from giraff_node.network.reach import find_silent
+from giraff_node.network.reach import find_silent, silence_text
 from giraff_node.network.session import NobodyError, Role, open_session
 
 UNUSABLE: Final = 2
@@ -89,7 +89,7 @@ def run_on_network(
     except ConfigError as error:
         return print_error(f"{error}; {CORRECT_IT}")
     if not os.environ.get(_CAME_BACK) and (silent := find_silent(connect)):
-        return print_error(f"--connect {'; '.join(silent)}; check the address, and that the robot is on")
+        return print_error(f"--connect {silence_text(silent)}; check the address, and that the robot is on")
     if way.warning:
         print_error(not_all_counts(way.warning))
 

@@ -8,8 +8,10 @@ import msgspec
 
 from giraff_cli.why.observation import Observation
 from giraff_core.latest import Latest
+from giraff_schemas.actions import ANY, BY_OPERATOR
 from giraff_schemas.messages import DriveCommand, Lease, Tilt, Verdict
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
+from giraff_schemas.trouble import Trouble
 
 Standing = Literal["ok", "limits", "idle", "waits", "STOPS", "missing"]
 """`limits`: the robot drives, but slowly or not everywhere. `idle`: nobody asks to drive. `waits`: another link is to
@@ -37,6 +39,7 @@ class ChainState:
     def __init__(self, observation: Observation) -> None:
         self.observation = observation
         self.links: dict[str, Link] = {}
+        self._told: dict[Trouble, str] = {}  # by which link
         self.clock = observation.newest(TICK)
         self.base = observation.newest(BASE)
         self.guard = observation.newest(GUARD)
@@ -44,6 +47,8 @@ class ChainState:
         self.estop = next((heard for heard in observation.of(ESTOP) if heard.sample.engaged), observation.newest(ESTOP))
         self.operator = _in_charge(observation.of(OPERATOR_CMD_VEL), self.lease)
         self.tilt = self._tilt()
+        self.words = ANY if self.operator is None else BY_OPERATOR.get(self.operator.sample.operator, ANY)
+        """Words of the hand that drives."""
 
     @property
     def wants_to_move(self) -> bool:
@@ -69,9 +74,19 @@ class ChainState:
         """Whether any of these links, judged already, stops the robot."""
         return any(self.links[name].breaks for name in names)
 
-    def told_once(self, reason: str) -> str:
-        """Return `reason`, or where to read it when a link that is judged already tells it."""
-        return next((f"see {link.name}" for link in self.links.values() if reason and reason in link.text), reason)
+    def tell(self, link: str, *troubles: Trouble) -> str:
+        """Return these troubles in the words of the hand that drives, and remember that `link` tells them."""
+        self._told |= dict.fromkeys(set(troubles) - self._told.keys(), link)
+        return "; ".join(trouble.line(self.words) for trouble in troubles)
+
+    def tell_once(self, link: str, trouble: Trouble) -> str:
+        """Return the same, or where to read it when another link tells it."""
+        told = self._told.get(trouble, link)
+        return self.tell(link, trouble) if told == link else f"see {told}"
+
+    def is_told(self, trouble: Trouble) -> bool:
+        """Return True if a link tells it."""
+        return trouble in self._told
 
     def process(self, service: str, topic: Topic[Any], how: str) -> Link | None:
         """What is wrong with a service as a process; None: exactly one of it runs and speaks."""
@@ -92,7 +107,7 @@ class ChainState:
             why = "is on the network and has not answered yet; ask again"
         else:
             well = "answers that it is well, and sends nothing; ask again in a few seconds, then restart it"
-            why = "; ".join(self.observation.faults(service)) or well
+            why = self.tell(link, *self.observation.faults(service)) or well
         return Link(name=link, standing="STOPS", text=f"giraff_{service}: {why}")
 
     def _tilt(self) -> Latest[Tilt] | None:

@@ -7,7 +7,6 @@ from typing import Final
 import msgspec
 
 from giraff_cli.why.chain import ChainState, Link, link_from, several
-from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.latest import Latest
 from giraff_core.lease import IDLE
 from giraff_core.sensors import ULTRASONIC
@@ -15,9 +14,13 @@ from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS, ROS2
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
+from giraff_schemas.trouble import Trouble
 from giraff_telemetry.describe import START_A_HAND, battery_text, posture_text, verdicts
 
 _BUDGET: Final = GuardConfig().operator_budget
+_NOT_ARMED: Final = Trouble("not armed", action="hold_level")
+_NOT_ASKED: Final = Trouble("nobody holds it", action="ask")
+_LATCHED: Final = Trouble("the board has latched", action="release")
 
 
 def operator(chain: ChainState) -> Link:
@@ -39,7 +42,7 @@ def operator(chain: ChainState) -> Link:
     if chain.clock is None:
         return link_from("operator", "waits", heard, f"{name} has no clock of the robot to go by")
     if command.source == "fault" and chain.tilt is None:
-        return link_from("operator", "STOPS", heard, f"{name}: {command.reason}")
+        return link_from("operator", "STOPS", heard, chain.tell("operator", command.reason.of(name)))
     if command.tick is None:
         return link_from(
             "operator", "STOPS", heard, f"{name} does not hear the robot, which is heard here; check its network"
@@ -62,7 +65,7 @@ def _asked(chain: ChainState, heard: Latest[DriveCommand]) -> Link:
 
 def _told_of_ros(chain: ChainState) -> str:
     """Return why programs of ROS that ask to drive count for nothing; empty: nothing is wrong with them."""
-    told = "; ".join(chain.observation.faults(ROS2.name))
+    told = chain.tell("operator", *chain.observation.faults(ROS2.name))
     return f"giraff_ros2: {told}" if told else ""
 
 
@@ -75,10 +78,11 @@ def hand(chain: ChainState) -> Link:
         return link_from("hand", "ok", operator, f"at the {operator.sample.operator}")
     sample, command = tilt.sample, operator.sample
     if sample.status != "running":
-        return link_from("hand", "STOPS", tilt, str(command.reason) or f"the tilt sensor is in state {sample.status}")
+        text = chain.tell("hand", command.reason) or f"the tilt sensor is in state {sample.status}"
+        return link_from("hand", "STOPS", tilt, text)
     if command.source == "fault":
         excused = chain.clock is None or chain.broken("operator")
-        return link_from("hand", "waits" if excused else "STOPS", tilt, str(command.reason))
+        return link_from("hand", "waits" if excused else "STOPS", tilt, chain.tell("hand", command.reason))
     posture = "level" if command.neutral else "tilted"
     return link_from("hand", "ok", tilt, f"{posture}: {sample.x:z.1f} forward, {sample.y:z.1f} left, of 9.8 m/s²")
 
@@ -91,8 +95,8 @@ def estop(chain: ChainState) -> Link:
     state = heard.sample
     if not state.engaged:
         return link_from("e-stop", "ok", heard, "released")
-    text = f"engaged by {state.by or 'nobody known'}: {state.reason}, and hold the hand level"
-    return link_from("e-stop", "STOPS", heard, text)
+    why = chain.tell("e-stop", state.reason.of(f"engaged by {state.by or 'nobody known'}"))
+    return link_from("e-stop", "STOPS", heard, f"{why}, then {_NOT_ARMED.to_do(chain.words)}")
 
 
 def lease(chain: ChainState) -> Link:
@@ -103,12 +107,12 @@ def lease(chain: ChainState) -> Link:
     state = heard.sample
     if chain.operator is not None and state.holder == chain.operator.sample.instance:
         return link_from("lease", "ok", heard, f"held by {state.operator}")
-    if not state.holder and state.reason.what == IDLE.what and not chain.wants_to_move:
-        return link_from("lease", "idle", heard, str(state.reason))
+    if not state.holder and state.reason == IDLE and not chain.wants_to_move:
+        return link_from("lease", "idle", heard, chain.tell("lease", state.reason))
     if state.holder:
-        text = f"held by {state.operator}, who is not heard here; {state.reason}"
+        text = f"held by {state.operator}, who is not heard here; {chain.tell('lease', state.reason)}"
     else:
-        text = f"nobody holds it; {state.reason or 'tilt the hand to ask for it'}"
+        text = f"nobody holds it; {chain.tell('lease', state.reason) or _NOT_ASKED.to_do(chain.words)}"
     # Asking for it is the last thing to do, once nothing is broken.
     excused = chain.clock is None or chain.broken("operator", "hand", "e-stop", "board")
     excused = excused or (chain.broken("guard") and not chain.blocked)
@@ -131,7 +135,8 @@ def ranger(chain: ChainState) -> Link:
     newest = min(readings.values(), key=lambda heard: heard.age)
     known = set(readings if chain.guard is None else chain.guard.sample.of_type(ULTRASONIC))
     blind = dict.fromkeys(known - readings.keys(), "not heard; check giraff_ranger")
-    blind |= {name: str(heard.sample.reason) for name, heard in readings.items() if heard.sample.state == "fault"}
+    faults = {name: heard.sample.reason for name, heard in readings.items() if heard.sample.state == "fault"}
+    blind |= {name: chain.tell("ranger", reason) for name, reason in faults.items()}
     if not blind:
         return link_from(
             "ranger", "ok", newest, ", ".join(_distance(heard.sample) for _, heard in sorted(readings.items()))
@@ -149,18 +154,18 @@ def guard(chain: ChainState) -> Link:
         return trouble or chain.silent("guard", "guard")
     state = heard.sample
     if chain.clock is None:
-        return link_from("guard", "waits", heard, str(state.reason) or "base, whose clock it goes by, is not heard")
+        text = chain.tell("guard", state.reason) or "base, whose clock it goes by, is not heard"
+        return link_from("guard", "waits", heard, text)
     if blocked := chain.blocked:
-        text = "; ".join(_judged(way, verdict) for way, verdict in blocked)
+        text = chain.tell("guard", *(_judged(way, verdict) for way, verdict in blocked))
         return link_from("guard", "waits" if chain.broken("ranger") else "STOPS", heard, text)
     limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.freedom in ("blocked", "creep")]
-    limits += [f"{name} is not trusted: {sensor.trouble}" for name, sensor in state.sensors.items() if sensor.trouble]
+    limits += [each.trouble.of(f"{name} is not trusted") for name, each in state.sensors.items() if each.trouble]
     if limits:
-        return link_from("guard", "limits", heard, "; ".join(limits))
+        return link_from("guard", "limits", heard, chain.tell("guard", *limits))
     is_told = chain.lease is not None and state.reason == chain.lease.sample.reason
-    return link_from(
-        "guard", "ok", heard, "no direction is blocked" if is_told or not state.reason else str(state.reason)
-    )
+    why = "" if is_told else chain.tell("guard", state.reason)
+    return link_from("guard", "ok", heard, why or "no direction is blocked")
 
 
 def board(chain: ChainState) -> Link:
@@ -168,26 +173,26 @@ def board(chain: ChainState) -> Link:
     heard = chain.base
     if heard is None:
         return Link(name="board", standing="waits", text="base, which talks to it, is not heard")
-    state, reason = heard.sample.board, str(heard.sample.reason)
+    state, reason = heard.sample.board, heard.sample.reason
     if not state.connected:
-        return link_from("board", "STOPS", heard, "; ".join(chain.observation.faults("base")) or reason)
+        return link_from("board", "STOPS", heard, chain.tell("board", *(chain.observation.faults("base") or (reason,))))
     if state.latch != "none":
         if chain.broken("e-stop"):
             return link_from("board", "waits", heard, f"latched: {state.latch}; see e-stop")
-        return link_from("board", "STOPS", heard, f"latched: {state.latch}; to release it: {RESET_COMMAND}")
+        return link_from("board", "STOPS", heard, f"latched: {state.latch}; {_LATCHED.to_do(chain.words)}")
     if state.drive_state in ("not_configured", "held"):
-        return link_from("board", "STOPS", heard, reason)
+        return link_from("board", "STOPS", heard, chain.tell("board", reason))
     return link_from("board", "ok", heard, f"{state.drive_state}, {state.line_errors} line errors")
 
 
 def base(chain: ChainState) -> Link:
     """Base, whether a level hand has armed it, and what it notices."""
     link = _armed(chain)
-    untold = [each for each in chain.observation.faults("base") if each not in link.text]
-    if not (untold := [each for each in untold if chain.told_once(each) == each]):
+    untold = [each for each in chain.observation.faults("base") if not chain.is_told(each)]
+    if not (untold := [each for each in untold if not chain.is_told(each.of("slowed"))]):
         return link
     standing = "limits" if link.standing == "ok" else link.standing
-    return msgspec.structs.replace(link, standing=standing, text="; ".join((link.text, *untold)))
+    return msgspec.structs.replace(link, standing=standing, text=f"{link.text}; {chain.tell('base', *untold)}")
 
 
 def _armed(chain: ChainState) -> Link:
@@ -200,18 +205,17 @@ def _armed(chain: ChainState) -> Link:
         return link_from("base", "STOPS", heard, "it gives no clock; restart giraff_base")
     power = f", battery {battery_text(battery.sample)}" if battery is not None else ""
     excused = chain.broken("operator", "hand", "lease", "ranger", "guard", "e-stop", "board")
-    reason = "see e-stop" if chain.broken("e-stop") else chain.told_once(str(state.reason)) or "not armed"
-    lease_link = chain.links["lease"]
+    reason = "see e-stop" if chain.broken("e-stop") else chain.tell_once("base", state.reason) or "not armed"
     # A base with a reason of its own forbids to move, whoever asks.
-    is_idle = lease_link.standing == "idle" and str(state.reason) == lease_link.text
+    is_idle = chain.links["lease"].standing == "idle" and state.reason == IDLE
     if is_idle and not state.armed and not excused:
         return link_from("base", "idle", heard, reason)
     if not state.armed or (state.reason and chain.wants_to_move and not state.driving):
         if excused:
             return link_from("base", "waits", heard, reason)
-        return link_from("base", "STOPS", heard, str(state.reason) or "not armed; hold the hand level")
+        return link_from("base", "STOPS", heard, chain.tell("base", state.reason or _NOT_ARMED))
     if state.reason and state.driving:
-        return link_from("base", "limits", heard, f"{state.reason}{power}")
+        return link_from("base", "limits", heard, f"{chain.tell('base', state.reason)}{power}")
     return link_from("base", "ok", heard, ("drives" if state.driving else "armed") + power)
 
 
@@ -231,9 +235,8 @@ def wheels(chain: ChainState) -> Link:
     return link_from("wheels", "ok" if attitude.sample.posture == "stands" else "waits", heard, text)
 
 
-def _judged(way: str, verdict: Verdict) -> str:
-    held = "blocked" if verdict.allowed == 0.0 else "only creeps"
-    return f"{way} {held}: {verdict.reason}"
+def _judged(way: str, verdict: Verdict) -> Trouble:
+    return verdict.reason.of(f"{way} {'blocked' if verdict.allowed == 0.0 else 'only creeps'}")
 
 
 def _distance(reading: Range) -> str:

@@ -9,6 +9,7 @@ from giraff_core.latest import Latest, LatestSamples
 from giraff_schemas.health import Health
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.topics import TICK, SampleT, Topic
+from giraff_schemas.trouble import Trouble
 
 _LEAST: Final = 0.5  # s of silence that a busy machine or a short dropout does not explain
 _PERIODS: Final = 3.0
@@ -53,7 +54,7 @@ class Observation(LatestSamples):
         """Services that are on the network and have not answered."""
         return self.alive - {health.service for health in self.health}
 
-    def faults(self, service: str) -> tuple[str, ...]:
+    def faults(self, service: str) -> tuple[Trouble, ...]:
         """Return what the processes of a service say is wrong, with them or elsewhere; nothing without an answer."""
         told = [health for health in self.health if health.service == service]
-        return tuple(str(fault) for health in told for fault in (*health.faults, *health.notices))
+        return tuple(fault for health in told for fault in (*health.faults, *health.notices))

@@ -14,8 +14,9 @@ from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import plain
 from giraff_schemas.trouble import WELL, Trouble
 
-RESET_COMMAND: Final = "giraff estop reset"
 LATCH_FILE: Final = "estop.json"
+SEE_THAT_IT_MAY: Final = "see that the robot may move"
+"""Remedy before a release, where the cause names none."""
 
 
 class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -61,7 +62,7 @@ def load_latch(store: Store, lost_id: int) -> EStopLatch:
         engaged=True,
         id=lost_id,  # of the one that was lost nothing is known: not its id again
         by="base",
-        reason=Trouble(why, f"see that the robot may move, then {RESET_COMMAND}"),
+        reason=Trouble(why, SEE_THAT_IT_MAY, "release"),
     )
 
 

@@ -6,6 +6,7 @@ from typing import Final
 
 from giraff_core.estop.request import Request
 from giraff_schemas.messages import EStop, Sample
+from giraff_schemas.trouble import WELL, Trouble
 
 _STATE_LASTS: Final = 1.5  # s that base's word of its stop is of now
 _GIVES_UP: Final = 2.0  # s; base takes no reset whose tick is older than a second
@@ -15,8 +16,8 @@ class EStopRelease:
     """Asks base until it answers. Times are monotonic, s."""
 
     def __init__(self) -> None:
-        self.text = ""
-        """What the person who asked must know; empty: nothing."""
+        self.outcome = WELL
+        """What the person who asked must know. WELL: nothing."""
         self._request: Request | None = None
         self._requested = 0.0
         self._states: dict[str, tuple[EStop, float]] = {}
@@ -40,11 +41,11 @@ class EStopRelease:
     def ask(self, request: Request, now: float) -> None:
         """Go on with this request, in place of the one before."""
         self._request, self._requested = request, now
-        self.text = "RELEASING, not confirmed yet"
+        self.outcome = Trouble("RELEASING, not confirmed yet")
 
     def withdraw(self) -> None:
         """Ask no more."""
-        self._request, self.text = None, ""
+        self._request, self.outcome = None, WELL
 
     def poll(self, now: float) -> bool:
         """Go on asking. Return whether base has answered just now."""
@@ -52,9 +53,10 @@ class EStopRelease:
             return False
         answer = self._request.poll(now)
         if answer is not None:
-            self.text = "" if answer.done and not answer.engaged else f"STILL STOPPED: {answer.reason}"
+            self.outcome = WELL if answer.done and not answer.engaged else answer.reason.of("STILL STOPPED")
         elif now - self._requested > _GIVES_UP:
-            self.text = f"RELEASE NOT CONFIRMED: {self._request.fault or 'base does not answer'}; ask again"
+            fault = self._request.fault or "base does not answer"
+            self.outcome = Trouble(f"RELEASE NOT CONFIRMED: {fault}", "ask again")
         else:
             return False
         self._request = None

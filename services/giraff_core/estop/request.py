@@ -9,6 +9,7 @@ from giraff_core.estop.latch import is_confirmed_stop
 from giraff_schemas.messages import EStop, Sample
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import printable
+from giraff_schemas.trouble import WELL, Trouble
 
 _NO_OFF: Final = "this robot's drive has no other off"
 BOARD_NOTE: Final = "; its board is not reached: it has stopped by itself"
@@ -114,18 +115,16 @@ class EStopRequest:
     def __init__(
         self,
         ask: Callable[[Callable[[EStopAnswer], bool | str], bool], Request],
-        how_to_release: str,
         *,
         is_open: bool,
     ) -> None:
         """`ask` begins to ask, for off or for a plain stop, until an answer settles it. `is_open`: of the network."""
-        self.text = ""
+        self.outcome = WELL
         """What the person who asked must know."""
-        self.refused_off = ""
+        self.refused_off = WELL
         """The same, where base has stopped the robot but has not switched it off, as it was asked."""
         self._off = False  # what the request asks for
         self._ask = ask
-        self._how_to_release = how_to_release
         self._is_open = is_open
         self._request: Request | None = None
         self._confirmation = StopConfirmation()
@@ -138,7 +137,7 @@ class EStopRequest:
     def engage(self, *, off: bool = False) -> None:
         """A stop is wished; `off`: and that it is off. That takes the place of a plain stop that is under way."""
         if self._request is None or (off and not self._off):
-            self._off, self.refused_off = off, ""
+            self._off, self.refused_off = off, WELL
             self._confirmation = StopConfirmation()
             self._request = self._ask(self._confirmation.judge, off)
             self._tell(self._request)
@@ -152,10 +151,10 @@ class EStopRequest:
             is_off, note = self._confirmation.is_off, self._confirmation.note
             word = f", {BY_WORD}" if self._is_open else ""
             if self._off and not is_off:
-                self.text = self.refused_off = f"{not_off(note)}{word}{note}; {self._how_to_release}"
+                self.outcome = self.refused_off = Trouble(f"{not_off(note)}{word}{note}", action="release")
             else:
                 what = "OFF" if is_off else "STOPPED"
-                self.text = f"{what}{word or ': base has confirmed'}{note}; {self._how_to_release}"
+                self.outcome = Trouble(f"{what}{word or ': base has confirmed'}{note}", action="release")
             return True
         self._tell(self._request)
         return False
@@ -166,10 +165,11 @@ class EStopRequest:
             return
         self._confirmation.on_sample(sample)
         if not sample.engaged and not self.asked:
-            self.text = self.refused_off = ""
+            self.outcome = self.refused_off = WELL
 
     def _tell(self, request: Request) -> None:
-        trouble = f"base answers: {request.refusal.reason}" if request.refusal is not None else request.fault
-        why = f": {trouble}" if trouble else ""
-        what = "SWITCHING OFF" if self._off else "STOPPING"
-        self.text = f"{what}, NOT CONFIRMED after {request.attempts} requests{why}; if it moves, use the battery switch"
+        refusal = Trouble(request.fault) if request.refusal is None else request.refusal.reason.of("base answers")
+        why = f": {refusal.what}" if refusal else ""
+        what = f"{'SWITCHING OFF' if self._off else 'STOPPING'}, NOT CONFIRMED after {request.attempts} requests{why}"
+        remedy = "; ".join(filter(None, ("if it moves, use the battery switch", refusal.remedy)))
+        self.outcome = Trouble(what, remedy)

@@ -12,6 +12,7 @@ from giraff_guard.motion import Motion
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.messages import RobotTime, Verdict
+from giraff_schemas.trouble import Trouble
 
 _MOST: Final = 128
 """Spots kept, whatever comes."""
@@ -77,7 +78,7 @@ class RecentObstacles:
         verdicts = []
         if heard := self.ahead(motion.place):
             room, speed = heard.distance - config.margin, motion.speed(self._sign)
-            reason = f"{names}: silent where {heard.sensor} heard something until lately"
+            reason = Trouble(f"{names}: silent where {heard.sensor} heard something until lately")
             if limits.stops_within(speed) > room and (
                 speed > _STUTTER * slow or min(sensor.quiet(now) for sensor in silent) < config.held_block
             ):
@@ -86,7 +87,7 @@ class RecentObstacles:
                 allowed = max(slow, limits.fastest(room))
                 verdicts.append(limits.allow(allowed, silent[0].name, reason))
         if heard := self.beside(motion.place):
-            reason = f"{names}: silent beside where {heard.sensor} heard something until lately"
+            reason = Trouble(f"{names}: silent beside where {heard.sensor} heard something until lately")
             verdicts.append(limits.allow(max(slow, limits.fastest(heard.distance)), silent[0].name, reason))
         return verdicts
 

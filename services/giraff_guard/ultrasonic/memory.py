@@ -101,7 +101,7 @@ class Echoes:
             return []
         limits, allowed = self._limits, self.speed_towards(obstruction)
         side = "left" if obstruction.bearing > 0.0 else "right"
-        reason = f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now"
+        reason = Trouble(f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now")
         if allowed < limits.config.slowest:
             return [limits.block(obstruction.sensor, reason)]
         return [limits.allow(allowed, obstruction.sensor, reason)]

@@ -13,6 +13,7 @@ from giraff_guard.motion import Motion
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.messages import RobotTime, Verdict
+from giraff_schemas.trouble import Trouble
 
 _ROLLS: Final = "the robot would first roll back towards it"
 
@@ -41,9 +42,9 @@ class Nearest:
         """What one sensor allows. `blocked`: the way was blocked, and needs more room to be opened again."""
         limits, config = self._limits, self._limits.config
         if blindness := sensor.blindness(now):
-            return limits.block(sensor.name, str(blindness))
+            return limits.block(sensor.name, blindness)
         if sensor.lost(motion):
-            return limits.block(sensor.name, f"{sensor.name} lost something nearer than {config.near:g} m")
+            return limits.block(sensor.name, Trouble(f"{sensor.name} lost something nearer than {config.near:g} m"))
         stops_within = limits.stops_within(motion.speed(self._sign))
         # The newest first, so that of equal ones it is the one named.
         judged = [
@@ -55,7 +56,7 @@ class Nearest:
             return verdict
         if doubt := sensor.doubt(motion, now):
             allowed = sensor.worth(motion, now, limits.most)
-            return limits.allow(allowed, sensor.name, str(doubt)) if allowed < verdict.allowed else verdict
+            return limits.allow(allowed, sensor.name, doubt) if allowed < verdict.allowed else verdict
         return verdict
 
     def room(self, sensor: Sensor, motion: Motion, now: RobotTime) -> float:
@@ -72,16 +73,16 @@ class Nearest:
         """
         limits, config = self._limits, self._limits.config
         if blindness := sensor.blindness(now):
-            return limits.creep(sensor.name, str(blindness))
+            return limits.creep(sensor.name, blindness)
         believed = sensor.believed(self._others[sensor.name])
         echoes = [ping for ping in believed if ping.echo]
         room = min((self._left(sensor, ping, motion) for ping in echoes), default=math.inf)
         if room < config.room_behind + (config.release if blocked else 0.0):
             seen = min(ping.distance for ping in echoes)
-            return limits.block(sensor.name, f"{sensor.name} sees something at {seen:.2f} m, and {_ROLLS}")
+            return limits.block(sensor.name, Trouble(f"{sensor.name} sees something at {seen:.2f} m, and {_ROLLS}"))
         if sensor.lost(motion):
             lost = f"{sensor.name} lost something nearer than {config.near:g} m"
-            return limits.block(sensor.name, f"{lost}, and {_ROLLS}")
+            return limits.block(sensor.name, Trouble(f"{lost}, and {_ROLLS}"))
         return None
 
     def _left(self, sensor: Sensor, ping: Ping, motion: Motion) -> float:
@@ -110,8 +111,8 @@ class Nearest:
     def _verdict_of(self, sensor: Sensor, limit: _PingLimit) -> Verdict:
         seen = f"{sensor.name} sees something at {limit.ping.distance:.2f} m{', braking' if limit.is_braking else ''}"
         if limit.allowed > 0.0:
-            return self._limits.allow(limit.allowed, sensor.name, seen)
-        return self._limits.block(sensor.name, seen)
+            return self._limits.allow(limit.allowed, sensor.name, Trouble(seen))
+        return self._limits.block(sensor.name, Trouble(seen))
 
     def clearance(self, sensor: Sensor, distance: float) -> float:
         """m between the footprint and what `distance` told, at the least.

@@ -13,9 +13,12 @@ from giraff_guard.ultrasonic.memory import Echoes
 from giraff_guard.ultrasonic.nearest import Nearest
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_schemas.messages import RobotTime, Verdict
+from giraff_schemas.trouble import Trouble
 
 _ASIDE: Final = 0.10
 """m of difference between left and right from which one side counts as the freer one."""
+_UNMEASURED: Final = Trouble("deceleration has not been measured", "measure it, and set it in [guard]")
+_SPEEDS_UP: Final = Trouble("this way was blocked until just now", "wait: it speeds up")
 
 
 class UltrasonicWay:
@@ -55,23 +58,25 @@ class UltrasonicWay:
         if silent := [sensor for sensor in self.sensors if sensor.is_silent]:
             verdicts.extend(self._held.verdicts(silent, motion, now))
         if not self.sensors:
-            verdicts.append(limits.creep("", f"no sensor looks {self._way}"))
+            verdicts.append(limits.creep("", Trouble(f"no sensor looks {self._way}")))
         if limits.config.room_behind > 0.0:
             verdicts.extend(self._rolling_back(motion, now))
         if limits.config.deceleration is None:
-            verdicts.append(limits.creep("", "deceleration has not been measured; measure it, and set it in [guard]"))
+            verdicts.append(limits.creep("", _UNMEASURED))
         verdict = min(verdicts, key=lambda each: each.allowed)
         self._blocked = verdict.freedom == "blocked"
         if self._blocked:
             self._blocker, self._regained = verdict.sensor, 0.0
         elif (allowed := limits.config.creep_linear + self._regained) < verdict.allowed:
-            return limits.allow(allowed, verdict.sensor, "this way was blocked until just now; speeding up")
+            return limits.allow(allowed, verdict.sensor, _SPEEDS_UP)
         return verdict
 
     def _rolling_back(self, motion: Motion, now: RobotTime) -> Iterator[Verdict]:
         """What stands behind, or may: driving off, and after a stop, the robot rolls back."""
         if not self._behind:
-            yield self._limits.creep("", f"no sensor looks {OTHER[self._way]}, where the robot first rolls back")
+            yield self._limits.creep(
+                "", Trouble(f"no sensor looks {OTHER[self._way]}, where the robot first rolls back")
+            )
         for sensor in self._behind:
             blocked = self._blocked and self._blocker == sensor.name
             if verdict := self._nearest_behind.opposite(sensor, motion, now, blocked=blocked):

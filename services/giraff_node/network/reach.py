@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from giraff_core.network import IPV4_ALONE, host_and_port
@@ -13,9 +13,14 @@ NO_NAME: Final = Trouble("no such name is known here (DNS, /etc/hosts)", "give i
 _ANSWERS_WITHIN: Final = 2.0  # s; a host on Wi-Fi takes up to one
 
 
-def find_silent(addresses: Sequence[str]) -> list[str]:
-    """Those at which nobody takes a connection, each with the reason."""
-    return [f"{address}: {why}" for address in addresses if (why := _silence(address))]
+def find_silent(addresses: Sequence[str]) -> dict[str, str]:
+    """Return the addresses at which nobody takes a connection, each with the reason."""
+    return {address: why for address in addresses if (why := _silence(address))}
+
+
+def silence_text(silent: Mapping[str, str]) -> str:
+    """Return such addresses with their reasons as one line."""
+    return "; ".join(f"{address}: {why}" for address, why in silent.items())
 
 
 def address_fault(address: str) -> str:

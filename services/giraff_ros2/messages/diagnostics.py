@@ -13,6 +13,7 @@ from rosbags.typesys.stores.ros2_kilted import diagnostic_msgs__msg__KeyValue as
 from giraff_core.latest import Latest, LatestSamples
 from giraff_ros2.messages.header import header
 from giraff_schemas import topics
+from giraff_schemas.actions import ROS
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardState, Lease, Range
 from giraff_schemas.topics import Topic
 
@@ -31,7 +32,7 @@ def diagnostics(stamp_ns: int, robot: str, newest: LatestSamples, now_ns: int) -
     rows = {part: _row(newest.latest(topic, now_ns), tell) for part, topic, tell in _PARTS}
     guard = newest.latest(topics.GUARD, now_ns)
     doubts = (
-        {name: str(each.trouble) for name, each in guard.sample.sensors.items()}
+        {name: each.trouble.line(ROS) for name, each in guard.sample.sensors.items()}
         if guard is not None and guard.fresh
         else {}
     )
@@ -79,11 +80,11 @@ def _base(state: BaseState) -> _Row:
         "line errors": state.board.line_errors,
     }
     if not state.board.connected:
-        return _Row(_ERROR, str(state.reason) or "the base board is not connected; plug in its cable", values)
+        return _Row(_ERROR, state.reason.line(ROS) or "the base board is not connected; plug in its cable", values)
     # A robot that nobody drives is well, and also has a reason why it does not move.
     return _Row(
         _WARN if state.reason and state.armed else _OK,
-        str(state.reason) or ("armed" if state.armed else "not armed"),
+        state.reason.line(ROS) or ("armed" if state.armed else "not armed"),
         values,
     )
 
@@ -91,19 +92,19 @@ def _base(state: BaseState) -> _Row:
 def _guard(state: GuardState) -> _Row:
     directions = {each: getattr(state, each) for each in ("forward", "backward", "turn_left", "turn_right")}
     values = {each: f"{verdict.freedom}, at most {verdict.allowed:.2f}" for each, verdict in directions.items()}
-    return _Row(_WARN if state.reason and state.operator else _OK, str(state.reason) or "commands pass", values)
+    return _Row(_WARN if state.reason and state.operator else _OK, state.reason.line(ROS) or "commands pass", values)
 
 
 def _estop(stop: EStop) -> _Row:
     values = {"engaged": stop.engaged, "by": stop.by}
     if stop.engaged:
-        return _Row(_ERROR, str(stop.reason) or f"engaged by {stop.by}", values)
+        return _Row(_ERROR, stop.reason.line(ROS) or f"engaged by {stop.by}", values)
     return _Row(_OK, "not engaged", values)
 
 
 def _lease(lease: Lease) -> _Row:
     # The reason of a lease tells of the newest grant too, so that it is no warning.
-    values = {"operator": lease.operator, "counter": lease.counter, "reason": lease.reason}
+    values = {"operator": lease.operator, "counter": lease.counter, "reason": lease.reason.line(ROS)}
     return _Row(_OK, f"{lease.operator} drives" if lease.holder else "free", values)
 
 
@@ -114,7 +115,7 @@ def _battery(battery: Battery) -> _Row:
 
 def _range(reading: Range) -> _Row:
     if reading.state == "fault":
-        return _Row(_ERROR, str(reading.reason) or "the sensor has a fault", {"state": reading.state})
+        return _Row(_ERROR, reading.reason.line(ROS) or "the sensor has a fault", {"state": reading.state})
     return _Row(_OK, reading.state, {"state": reading.state, "range (m)": reading.range})
 
 

@@ -59,7 +59,7 @@ class UnseenScreen:
     def take(self, sample: Sample, now: float) -> None:
         """Nothing is shown of it."""
 
-    def show(self, policy: object, stop: str, now: float) -> None:
+    def show(self, policy: object, stop: object, now: float) -> None:
         """Nothing to do."""
 
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from giraff_sim.hosts.event_queue import EventQueue
 
-_NUMBERS: Final = re.compile(r"[0-9]+(\.[0-9]+)?")
+_VARIES: Final = re.compile(r"\b[0-9a-f]{8}\b|[0-9]+(\.[0-9]+)?")  # instances and numbers
 
 
 class Story:
@@ -28,6 +28,5 @@ class Story:
 
 
 def kind_of(reason: str) -> str:
-    """A reason without what differs from one time to the next."""
-    head = re.split(r"[;:(]", reason, maxsplit=1)[0]
-    return _NUMBERS.sub("N", head).strip()
+    """Return a reason with N for each number and instance, so that equal causes count as one."""
+    return _VARIES.sub("N", reason)

@@ -12,7 +12,7 @@ import { Panel, byId, write } from "./panel.js";
 import { Picture } from "./picture.js";
 import { Question, StopButton } from "./question.js";
 import { Motion, screenAngle } from "./tilt.js";
-import { isStopped } from "./words.js";
+import { isStopped, line } from "./words.js";
 
 const clock = () => performance.now() / 1000;
 /** ms between two looks of the timer. */
@@ -98,9 +98,9 @@ function onMessage(message) {
   } else if (message.type === "looking") {
     picture.onLooking(message);
   } else if (message.type === "refused") {
-    if (message.why) {
+    if (message.why.what) {
       hand.onRefused();
-      at.refused = message.why;
+      at.refused = line(message.why, at.mayDrive);
       at.refusedUntil = Infinity;
     } else at.refusedUntil = now + REFUSAL;
   }
@@ -109,7 +109,7 @@ function onMessage(message) {
 /** The robot, driven from here, has come upon what holds it. */
 function buzz(state) {
   const mine = hand.hold && state.page && state.page === at.me;
-  if (mine && state.why && at.state && !at.state.why) navigator.vibrate?.(60);
+  if (mine && state.why.what && at.state && !at.state.why.what) navigator.vibrate?.(60);
 }
 
 function onCut() {

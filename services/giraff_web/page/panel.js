@@ -54,7 +54,7 @@ export class Panel {
     this._whyAt = now;
     write(byId("why"), text);
     byId("status").classList.toggle("stopped", at.linked && isStopped(at.state));
-    const fine = at.linked && at.mayDrive && !at.state?.why && !at.refused;
+    const fine = at.linked && at.mayDrive && !at.state?.why.what && !at.refused;
     byId("status").classList.toggle("fine", Boolean(fine && at.hold));
     byId("status").classList.toggle("bad", !at.linked && at.heard);
   }
@@ -71,11 +71,12 @@ export class Panel {
       const moves = verdict && !["unknown", "stopped", "blocked"].includes(word);
       write(tile.querySelector(".most"), moves ? `${verdict.allowed.toFixed(2)} ${unit}` : "");
     }
-    writeList(byId("reasons"), linked ? reasons(state.directions, mayDrive && !isStopped(state) ? state.why : "") : []);
+    const said = mayDrive && !isStopped(state) ? state.why : null;
+    writeList(byId("reasons"), linked ? reasons(state.directions, mayDrive, said) : []);
     byId("place").hidden = !(linked && state.map);
     if (state.map) write(byId("place"), placeText(state.map));
     if (now - this._floorAt < FLOOR_TEXT) return;
     this._floorAt = now;
-    writeList(byId("floor-text"), linked ? floorLines(state) : ["The link is lost: nothing is known of the robot."]);
+    writeList(byId("floor-text"), linked ? floorLines(state, mayDrive) : ["The link is lost: nothing is known of the robot."]);
   }
 }

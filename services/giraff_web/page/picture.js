@@ -1,7 +1,7 @@
 // The picture of the robot's camera: who looks, whether this page does, and how old what it shows is.
 
 import { byId, write } from "./panel.js";
-import { OLD, sentence } from "./words.js";
+import { OLD, line, sentence } from "./words.js";
 
 /** Bytes before the JPEG: number of the picture, then epoch and ns of its tick, big end first. */
 const HEADER = 16;
@@ -45,9 +45,10 @@ export function ageText(age) {
 }
 
 /** Whether somebody sees the robot's surroundings, for every page. @param {any} camera as the state has it */
-export function cameraText(camera) {
+export function cameraText(camera, mayDrive) {
+  const why = line(camera.why, mayDrive);
   const on = camera.askers.length ? `The robot’s camera is on, for ${camera.askers.join(", ")}. ` : "";
-  return on + (camera.why ? `${sentence(camera.why)}.` : on ? "" : "The robot’s camera is off.");
+  return on + (why ? `${sentence(why)}.` : on ? "" : "The robot’s camera is off.");
 }
 
 export class Picture {
@@ -82,7 +83,7 @@ export class Picture {
 
   onLooking({ on, why }) {
     this._on = on;
-    if (on || why) this._why = why;
+    if (on || why.what) this._why = line(why, true); // only a page that may drive looks
   }
 
   /** What has ended it here, where it was on; only a person brings it back. */
@@ -126,7 +127,7 @@ export class Picture {
     byId("shown").classList.toggle("old", this._drawnOld);
     write(byId("picture-age"), ageText(age));
     const own = this._why ? `Your picture is off: ${this._why}. ` : "";
-    write(byId("camera-text"), at.linked ? own + cameraText(camera) : own);
+    write(byId("camera-text"), at.linked ? own + cameraText(camera, at.mayDrive) : own);
     const button = byId("look");
     button.hidden = !at.mayDrive;
     write(button, this._on ? "Hide" : "Show picture");

@@ -2,7 +2,7 @@
 
 import { byId, write } from "./panel.js";
 import { StopRequest, isSameStop } from "./stop.js";
-import { released } from "./words.js";
+import { line } from "./words.js";
 
 /** s after a finger's landing within which a click is its lifting. */
 const LIFTED = 2;
@@ -58,7 +58,7 @@ export class StopButton {
 
   onState(state, mayDrive) {
     this._request.onLatch(state.stop);
-    this._detail = released(state.stop_text, mayDrive);
+    this._detail = line(state.stop_outcome, mayDrive);
   }
 
   /** Show a line below the stop for so many seconds. */
@@ -112,7 +112,7 @@ export class Question {
     this._asked = this._shown;
     if (!this._asked?.engaged) return;
     write(byId("question-by"), this._asked.by);
-    write(byId("question-why"), this._asked.reason);
+    write(byId("question-why"), this._asked.reason.what);
     if (!this._dialog.open) this._dialog.show();
     byId("release-no").focus();
   }

@@ -71,7 +71,7 @@ export class StopRequest {
       return late ? "NOT CONFIRMED: use the battery switch" : "STOPPING, NOT CONFIRMED";
     }
     if (!this.latch?.engaged) return "";
-    const who = `by ${this.latch.by}: ${this.latch.reason}`;
+    const who = `by ${this.latch.by}: ${this.latch.reason.what}`;
     const what = this.latch.off ? "OFF" : "STOPPED";
     if (!linked) return `When last heard: ${what} ${who}`;
     return !this.latch.off && now - this._offSaidAt < PATIENCE ? "STOPPED; off is asked for" : `${what}, ${this.latch.word}, ${who}`;

@@ -34,7 +34,7 @@ const TAKE = {
   gamepad: "hold an upper shoulder button",
 };
 const ADDRESS = "To drive, open the address that the robot’s page service shows now.";
-const SEE = "see that the robot may move, then {release}";
+const SEE = "see that the robot may move";
 const ARM = {
   tilt: "hold the field and keep the phone flat",
   pad: "hold the pad without dragging",
@@ -51,22 +51,37 @@ const DRIVERS = {
   ros2: "A ROS 2 program",
   web: "Another page",
 };
-/** As the guard says that somebody else drives, with the instance of that process. */
-const HELD = /^held by (.+) \(\w+\)/;
+/** Words for another that drives, by the action that would take the robot from it. */
+const DRIVES = { ask: "drives", take: "drives; it gives way to others" };
+/** Words for the steps of an action. Others have none: the page says below how its own hand takes and arms the robot. */
+const STEPS = {
+  run: (command) => [`ask somebody at the robot’s computer to run \`${command}\``],
+  release: (command, mayDrive) => [
+    ...(command ? STEPS.run(command) : []),
+    mayDrive ? "tap Release" : "release it on a page that may drive",
+  ],
+};
+/** The guard names one of these before the reason that holds it back just now. */
+const HEADS = ["forward blocked", "forward slowed", "backward blocked", "backward slowed", "turning slowed"];
 
 const driverName = (operator) => DRIVERS[operator] ?? sentence(operator);
 
-/** A reason that people who know no operator by its name understand. */
-function plainWhy(why) {
-  const text = why.replace(HELD, (_, operator) => `${driverName(operator)} drives`);
-  return sentence(text.replace("drives, which gives way", "drives; it gives way"));
-}
-
 export const DEGREES = 180 / Math.PI;
 
-/** Text with the way to release the stop that this page has. */
-export function released(text, mayDrive) {
-  return text.replaceAll("{release}", mayDrive ? "tap Release" : "release it on a page that may drive");
+function toDo({ remedy, action, argument }, mayDrive) {
+  return [remedy, ...(STEPS[action]?.(argument, mayDrive) ?? [])].filter(Boolean).join(", then ");
+}
+
+function howToRelease({ reason }, mayDrive) {
+  return toDo({ ...reason, remedy: reason.remedy || SEE, action: "release" }, mayDrive);
+}
+
+/** What is wrong and what to do about it; empty: nothing is. @param {any} trouble as a message has it */
+export function line(trouble, mayDrive) {
+  const { what, action, argument } = trouble;
+  const drives = argument && DRIVES[action];
+  const said = drives ? `${driverName(argument)} ${drives}` : what;
+  return [said, toDo(trouble, mayDrive)].filter(Boolean).join("; ");
 }
 
 const known = (value) => typeof value === "number" && Number.isFinite(value);
@@ -103,8 +118,7 @@ export function whyText(at) {
     return at.heard ? "The link is lost. The robot stops by itself; connecting again." : "Connecting to the robot.";
   }
   if (at.stopping) return "The emergency stop was asked for on this page.";
-  const how = isStopped(at.state) ? released(at.state.stop.remedy || SEE, at.mayDrive) : "";
-  const stopped = how && `STOPPED. ${sentence(how)}.`;
+  const stopped = isStopped(at.state) && `STOPPED. ${sentence(howToRelease(at.state.stop, at.mayDrive))}.`;
   const address = at.session ? sentence(at.session).replace(/[^.]$/, "$&.") : ADDRESS;
   if (!at.mayDrive) return `${stopped || "You can watch and stop."} ${address}`;
   if (stopped) return stopped;
@@ -112,7 +126,7 @@ export function whyText(at) {
   if (!at.hold && ENDED[at.ended]) {
     return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input]}.`;
   }
-  if (at.state?.why) return plainWhy(at.state.why);
+  if (at.state?.why.what) return sentence(line(at.state.why, at.mayDrive));
   return at.hold ? "The robot obeys." : `${HOW[at.input]}.`;
 }
 
@@ -134,29 +148,29 @@ export function freedom(state, way) {
 }
 
 /**
- * What holds the directions back, ways of the same reason together: "Forward, left: reason; way out."
- * `said`: what is written already.
+ * What holds the directions back, ways of the same reason together: "Forward, left: reason; remedy."
+ * @param {any} said the trouble that the page shows already
  */
-export function reasons(directions, said = "") {
+export function reasons(directions, mayDrive, said = null) {
   if (!directions) return ["The guard is not heard."];
   /** @type {Map<string, string[]>} */
   const ways = new Map();
   for (const [way, label] of DIRECTIONS) {
-    const verdict = directions[way];
-    if (!verdict?.reason || said.includes(verdict.reason)) continue;
-    const text = verdict.way_out ? `${verdict.reason}; ${verdict.way_out}` : verdict.reason;
+    const reason = directions[way]?.reason;
+    if (!reason?.what || HEADS.some((head) => said?.what === `${head}: ${reason.what}`)) continue;
+    const text = line(reason, mayDrive);
     ways.set(text, [...(ways.get(text) ?? []), label]);
   }
   return [...ways].map(([text, labels]) => `${sentence(labels.join(", ").toLowerCase())}: ${text}.`);
 }
 
 /** What a sensor says, as a line: "Front left: 0.84 m". */
-export function echoText(name, echo) {
+export function echoText(name, echo, mayDrive) {
   const label = sentence(name.replaceAll("_", " "));
   if (echo.state === "echo" && known(echo.range)) return `${label}: ${echo.range.toFixed(2)} m`;
   if (echo.state === "clear") return `${label}: nothing near`;
   const words = echo.state === "fault" ? "fault" : "not heard";
-  return `${label}: ${echo.reason || words}`;
+  return `${label}: ${line(echo.reason, mayDrive) || words}`;
 }
 
 /** How long ago the battery was charged, where base has seen it. */
@@ -175,10 +189,10 @@ export function facts(state) {
 }
 
 /** The floor plan for those who do not see it, a line each. */
-export function floorLines(state) {
-  const lines = Object.entries(state.ranges).map(([name, echo]) => echoText(name, echo));
+export function floorLines(state, mayDrive) {
+  const lines = Object.entries(state.ranges).map(([name, echo]) => echoText(name, echo, mayDrive));
   if (state.pose) lines.push(`By its wheels: ${poseText(state.pose, sd(state.covariance))}`);
-  if (state.map) lines.push(mapText(state.map));
+  if (state.map) lines.push(mapText(state.map, mayDrive));
   return lines;
 }
 
@@ -200,11 +214,12 @@ export function placeText(map) {
 }
 
 /** The same in whole: "Localized on flat: x 1.20 m, y 3.40 m, heading 90°, sd 0.05 m, 2°". */
-export function mapText(map) {
+export function mapText(map, mayDrive) {
+  const why = line(map.why, mayDrive);
   const state = `${sentence(map.state.replaceAll("_", " "))}${map.map ? ` on ${map.map}` : ""}`;
-  if (!isPlaced(map)) return `${state}: ${map.why}`;
+  if (!isPlaced(map)) return `${state}: ${why}`;
   const place = `${state}: ${poseText(map.pose, sd(map.covariance))}, ${Math.round(map.yaw_sd * DEGREES)}°`;
-  return map.why ? `${place}; ${map.why}` : place;
+  return why ? `${place}; ${why}` : place;
 }
 
 /** Larger standard deviation of a place, m, by its covariance. */

@@ -23,7 +23,7 @@ def line(*faults: str, notice: str = "") -> bytes:
         pid=7,
         uptime=1.5,
         ok=not faults,
-        faults=tuple(Trouble(*fault.split("; ")) for fault in faults),
+        faults=tuple(map(Trouble, faults)),
         notices=(Trouble(notice),) if notice else (),
     )
     return msgspec.json.encode(health) + b"\n"

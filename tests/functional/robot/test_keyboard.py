@@ -50,7 +50,7 @@ def test_it_takes_arms_drives_and_stops_by_the_space_bar(robot: ProcessRobot) ->
         shown.type(b" ")
         shown.wait_for("STOPPED: base has confirmed", PATIENCE)
         confirmed_us = robot.simulator.now()
-        shown.wait_for("r to release it. By keyboard@", PATIENCE)
+        shown.wait_for("base has confirmed. By keyboard@", PATIENCE)
         hold(shown, b"w", 1.0)
         assert robot.simulator.record(confirmed_us + 350_000).driven_ms == 0  # the board's own time-out is 0.3 s
 

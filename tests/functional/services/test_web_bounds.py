@@ -17,7 +17,7 @@ import msgspec
 import pytest
 
 from giraff_schemas.messages import EStop
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.limits import Allowance, Limits
 from giraff_web.messages import LARGEST, Looking, Refused
 from giraff_web.pages import Closed, Opened, StopAsked
@@ -154,7 +154,7 @@ def test_a_page_gets_no_picture_that_waits_for_it_once_it_looks_no_longer(tmp_pa
                 it.show()
                 assert (await told(socket))["n"] == n
             it.server.send_picture(number, b"picture")
-            it.server.tell(number, Looking(on=False, why=""))
+            it.server.tell(number, Looking(on=False, why=WELL))
             assert (await told(socket))["type"] == "looking"
             await socket.send_str('{"type": "seen", "n": 3}')
             for n in (4, 5):
@@ -366,7 +366,7 @@ def test_it_ends_with_pages_open_and_tells_them(tmp_path: Path) -> None:
             assert await closed(socket) == (1001, "the service ends")
             await ending  # though the second one never answered
             assert not it.server._thread.is_alive()
-            it.server.tell(1, Refused(why=""))  # to nobody
+            it.server.tell(1, Refused(why=WELL))  # to nobody
             it.show()
 
     trying(tmp_path, course)

@@ -6,13 +6,16 @@ import msgspec
 import pytest
 
 from giraff_base.estop import EStopControl, EStopLatch
+from giraff_core.estop.latch import SEE_THAT_IT_MAY
+from giraff_schemas.actions import ANY
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, DriveState, EstopFrame, Latch
 from tests.unit.base.rig import EPOCH, Rig, moving
 
-ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason=Trouble("space bar", "to go on: giraff estop reset"))
+ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason=Trouble("space bar", SEE_THAT_IT_MAY, "release"))
+TO_RELEASE = ENGAGED.reason.to_do(ANY)
 
 
 def engage(rig: Rig, by: str = "keyboard", reason: str = "space bar") -> EStopAnswer:
@@ -74,10 +77,10 @@ def test_base_that_starts_engaged_stays_so_and_says_by_whom() -> None:
     rig.run(1.0)
     rig.tilt(0.6)
     assert moving(rig.run(2.0)) == []
-    assert str(rig.base.state().reason) == "emergency stop by keyboard: space bar; to go on: giraff estop reset"
+    assert str(rig.base.state().reason) == f"emergency stop by keyboard: space bar; {TO_RELEASE}"
     sample = rig.base.estop()
     assert (sample.engaged, sample.id, sample.by) == (True, 7, "keyboard")
-    assert sample.reason.remedy == rig.base.state().reason.remedy == "to go on: giraff estop reset"
+    assert sample.reason == ENGAGED.reason == msgspec.structs.replace(rig.base.state().reason, what="space bar")
 
 
 def test_a_reset_permits_motion_and_never_causes_it(driven: Rig) -> None:
@@ -201,7 +204,7 @@ def test_what_others_write_into_the_latch_is_cut(rig: Rig) -> None:
     engage(rig, by="x" * 1_000_000, reason="y" * 1_000_000)
     assert len(rig.base.latch.by) == 200
     assert len(str(rig.base.latch.reason)) < 300
-    assert str(rig.base.latch.reason).endswith("giraff estop reset")
+    assert rig.base.latch.reason.action == "release"
 
 
 ODD = "a\x1b[2Jb\nc\x9bd\u202ee\udcc3"
@@ -211,10 +214,11 @@ PLAIN = "a?[2Jb?c?d?e?"
 def test_what_others_write_into_the_latch_steers_no_terminal(rig: Rig) -> None:
     engage(rig, by=ODD, reason=ODD)
     told = rig.base.estop()
-    assert (told.by, str(told.reason)) == (PLAIN, f"{PLAIN}; to go on: giraff estop reset")
+    assert (told.by, str(told.reason)) == (PLAIN, f"{PLAIN}; {TO_RELEASE}")
     assert str(rig.base.reason).isprintable()
-    edited = EStopControl(EStopLatch(engaged=True, id=1, by=ODD, reason=Trouble(ODD, ODD)), 1.0, knows_off=False)
-    assert (edited.latch.by, edited.latch.reason) == (PLAIN, Trouble(PLAIN, PLAIN))
+    edited = EStopLatch(engaged=True, id=1, by=ODD, reason=Trouble(ODD, ODD, "release", ODD))
+    shown = EStopControl(edited, 1.0, knows_off=False).latch
+    assert (shown.by, shown.reason) == (PLAIN, Trouble(PLAIN, PLAIN, "release", PLAIN))
     rig.base.on_reset(EStopReset(by=ODD, id=rig.base.latch.id, tick=rig.ago(0.0)), rig.now)
     assert (rig.base.latch.engaged, rig.base.latch.by) == (False, PLAIN)
 
@@ -238,7 +242,7 @@ def test_a_latch_of_the_board_becomes_bases_own(driven: Rig, latch: Latch, words
     assert driven.base.latch.engaged
     assert driven.base.latch.by == "the base board"
     assert all(word in str(state.reason) for word in words)
-    assert state.reason.remedy.endswith("then giraff estop reset")
+    assert state.reason.action == "release"
     assert driven.board.latch == latch  # base does not paint it over with its own
     assert reset(driven).done
     driven.run(0.1)

@@ -119,7 +119,7 @@ def test_wiring_that_nobody_has_checked_never_arms(drive: WheelsConfig) -> None:
     assert not rig.base.state().armed
     rig.tilt(0.6)
     assert moving(rig.run(2.0)) == []
-    assert str(rig.base.state().reason) == "the wiring is not checked; lift the wheels and run giraff check wheels"
+    assert str(rig.base.state().reason) == "the wiring is not checked; lift the wheels, then run `giraff check wheels`"
     assert str(rig.base.faults["wiring"]) == str(rig.base.state().reason)
 
 

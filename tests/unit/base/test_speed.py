@@ -10,25 +10,20 @@ import pytest
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.words import limit
 from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, SpeedFlag, SpeedFrame
 from tests.support.robots import BY_SPEED, DRIVE
 from tests.unit.base.rig import CONFIG, ROBOT, Board, Rig, moving
 
 FULL_UM_S = 600_000
 HELD = [
-    (SpeedFlag.LEFT_HELD, "the left wheel was held: clear the way, or check its encoder, motor and battery"),
-    (SpeedFlag.RIGHT_HELD, "the right wheel was held: clear the way, or check its encoder, motor and battery"),
-    (
-        SpeedFlag.LEFT_HELD | SpeedFlag.RIGHT_HELD,
-        "both wheels were held: clear the way, or check its encoder, motor and battery",
-    ),
-    (SpeedFlag(0), "a wheel was held: clear the way, or check its encoder, motor and battery"),
-    (
-        SpeedFlag.LEFT_HELD | SpeedFlag.AT_LIMIT,
-        "the left wheel was held: clear the way, or check its encoder, motor and battery",
-    ),
+    (SpeedFlag.LEFT_HELD, "the left wheel was held"),
+    (SpeedFlag.RIGHT_HELD, "the right wheel was held"),
+    (SpeedFlag.LEFT_HELD | SpeedFlag.RIGHT_HELD, "both wheels were held"),
+    (SpeedFlag(0), "a wheel was held"),
+    (SpeedFlag.LEFT_HELD | SpeedFlag.AT_LIMIT, "the left wheel was held"),
 ]
+REMEDY = "clear the way, or check its encoder, motor and battery"
 
 
 @pytest.fixture
@@ -95,7 +90,8 @@ def test_a_held_wheel_does_not_resume_by_itself(at_speed: Rig, wheels: SpeedFlag
     assert moving(sent) == []
     assert not sent[0].state.armed
     assert sent[0].state.board.drive_state == "held"
-    assert {str(each.state.reason) for each in sent} == {f"not armed since {why}; hold the hand level for 0.2 s"}
+    reason = Trouble(f"not armed since {why}", REMEDY, "hold_level", "0.2 s")
+    assert {each.state.reason for each in sent} == {reason}
     # The board has opened for the zero frame, and that changes nothing.
     assert at_speed.board.drive_state == DriveState.ACTIVE
     at_speed.tilt(0.0)

@@ -7,6 +7,7 @@ from typing import Any
 
 from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.telemetry import RunTelemetry
+from giraff_core.estop.latch import SEE_THAT_IT_MAY
 from giraff_core.kinematics.pose import Pose
 from giraff_core.sensors import ULTRASONIC
 from giraff_schemas import topics
@@ -35,7 +36,7 @@ from giraff_schemas.messages import (
 )
 from giraff_schemas.motion import IDLE
 from giraff_schemas.topics import Topic
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_telemetry.collector import Telemetry
 
 SENSORS = ("front_left", "front_right", "rear")
@@ -149,7 +150,12 @@ def guard(forward: Verdict) -> GuardState:
 
 
 def base(
-    *, armed: bool = True, reason: str = "", line_errors: int = 0, latch: str = "none", drive_state: str = "active"
+    *,
+    armed: bool = True,
+    reason: str | Trouble = "",
+    line_errors: int = 0,
+    latch: str = "none",
+    drive_state: str = "active",
 ) -> BaseState:
     board = BoardState(
         connected=True,
@@ -161,13 +167,15 @@ def base(
         refused=0,
         line_errors=line_errors,
     )
+    why = Trouble(reason) if isinstance(reason, str) else reason
     return BaseState(
-        armed=armed, driving=armed, reason=Trouble(reason), guard="guard", round_trip=0.02, budget_left=0.1, board=board
+        armed=armed, driving=armed, reason=why, guard="guard", round_trip=0.02, budget_left=0.1, board=board
     )
 
 
 def estop(*, engaged: bool = False) -> EStop:
-    return EStop(engaged=engaged, id=3, by="ann@desk" if engaged else "", reason=Trouble("smoke" if engaged else ""))
+    smoke = Trouble("smoke", SEE_THAT_IT_MAY, "release")
+    return EStop(engaged=engaged, id=3, by="ann@desk" if engaged else "", reason=smoke if engaged else WELL)
 
 
 def lease(holder: str = "hand", operator: str = "joystick") -> Lease:

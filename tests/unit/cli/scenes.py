@@ -296,7 +296,7 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
             .put(topics.LEASE, lease("", ""), "g")
         ),
         "e-stop",
-        "engaged by ann@desk: smoke, and hold the hand level",
+        "smoke; see that the robot may move, then run `giraff estop reset`, then hold the hand level",
     ),
     "one of two bases stopped": (
         lambda s: s.put(topics.ESTOP, estop(engaged=True), "c"),
@@ -316,7 +316,7 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
     "stuck wheel": (
         lambda s: s.put(topics.BASE, base(armed=False, reason="latched", latch="left_stuck"), "b"),
         "board",
-        "latched: left_stuck; to release it: giraff estop reset",
+        "latched: left_stuck; run `giraff estop reset`",
     ),
     "held wheel": (
         lambda s: s.put(topics.BASE, base(armed=False, reason=HELD, drive_state="held"), "b"),

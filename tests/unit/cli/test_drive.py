@@ -13,29 +13,26 @@ import msgspec
 import pytest
 from rich.console import Console
 
-from giraff_base.arming import HOW_TO_ARM
 from giraff_base.drives.wheels.words import engaged_by
 from giraff_cli.drive import operate
 from giraff_cli.network.limits import limits_of
 from giraff_cli.terminal.screen import as_svg
-from giraff_core.estop.latch import RESET_COMMAND
-from giraff_core.lease import HOW_TO_ASK, IDLE
+from giraff_core.lease import IDLE
 from giraff_core.parameters.table import Parameters
-from giraff_guard.authority import _HOW_TO_TAKE
 from giraff_keyboard import main
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.picture import COLUMNS, ROWS, DrivePicture
 from giraff_keyboard.policy import Key
+from giraff_keyboard.reset_request import release_question
 from giraff_keyboard.view import DriveView
-from giraff_keyboard.words import for_keys
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.tokens import Token
+from giraff_schemas.actions import KEYS
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Battery, EStop, GuardState, Lease, Sample, Verdict
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import Latch
-from giraff_web.messages import on_page
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT
 from tests.unit.cli.samples import SENSORS, base, estop, guard, odometry, reading, verdict
@@ -43,10 +40,14 @@ from tests.unit.cli.typed import Giraff
 from tests.unit.keyboard.keyboards import Person
 
 PICTURE = ROOT / "docs" / "pictures" / "drive.svg"
-ARM = f"not armed since base has just started; {HOW_TO_ARM} for 0.2 s"
-HELD = f"held by joystick (6542d227) until it rests for 30 s, is silent for 1 s or at fault for 2 s; then {HOW_TO_ASK}"
-FROZEN = "front_right is frozen: it repeats one echo while the robot moves; check it, or look for slip"
-BLOCKED = verdict(0.0, "blocked", "front_right", FROZEN, "turn left or back up")
+ARM = Trouble("not armed since base has just started", action="hold_level", argument="0.2 s")
+FREE = "wait until it rests for 30 s, is silent for 1 s or at fault for 2 s"
+HELD = Trouble("held by joystick (6542d227)", FREE, "ask", "joystick")
+FROZEN = "front_right is frozen: it repeats one echo while the robot moves"
+BLOCKED = verdict(0.0, "blocked", "front_right", FROZEN, "check it, or look for slip, or turn left or back up")
+STOPPED = Trouble("emergency stop by ann@desk: smoke", action="release")
+CONFIRMED = Trouble("STOPPED: base has confirmed", action="release")
+SMOKE = "By ann@desk: smoke; see that the robot may move, then press r"
 STUCK = engaged_by(Latch.RIGHT_STUCK)
 KEYS_END = 9
 """The last row that tells the keys."""
@@ -63,7 +64,7 @@ class Desk:
         self.person = Person(KeyboardConfig())
         self.person.wait(0.2, ticks=ticks)
         self.view = DriveView("giraff", SENSORS)
-        self.stop, self.seq = "", 0
+        self.stop, self.seq = WELL, 0
         self.take(base(), guard(verdict()), estop(), Battery(voltage=24.3), odometry(0, 1.25, 0.5, 0.3))
         self.take(reading("front_left", 1.23), reading("front_right", None, "clear"), reading("rear", 0.4))
 
@@ -73,10 +74,8 @@ class Desk:
         self.seq += 1
         return self
 
-    def holds(self, holder: str, operator: str, reason: str = "", unranked: tuple[str, ...] = ()) -> Desk:
-        lease = Lease(
-            holder=holder, operator=operator, counter=1 if holder else 0, reason=Trouble(reason), unranked=unranked
-        )
+    def holds(self, holder: str, operator: str, reason: Trouble = WELL, unranked: tuple[str, ...] = ()) -> Desk:
+        lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, unranked=unranked)
         self.person.policy.operator.on_lease(stamped(lease, 1, 0, "g"))
         return self
 
@@ -101,14 +100,13 @@ def told(desk: Desk) -> dict[str, str]:
     return {"ROBOT": picture.standing()[0], "WHY": picture.reason()[0], "STOP": picture.stopping()[0]}
 
 
-NOBODYS = str(IDLE)
 CASES: dict[str, tuple[Desk, dict[str, str]]] = {
     "not heard": (
         Desk(ticks=False),
         {"ROBOT": "not heard; waits for it, and does not move by itself", "WHY": "no tick"},
     ),
     "nobody's": (
-        Desk().holds("", "", NOBODYS),
+        Desk().holds("", "", IDLE),
         {
             "ROBOT": "nobody's: press an arrow key or c to take it, then let go of all keys",
             "WHY": "idle: nobody asks to drive; press an arrow key or c to ask, then let go of all keys to arm",
@@ -116,10 +114,13 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
     ),
     "another's": (
         Desk().holds("you", "joystick", HELD),
-        {"ROBOT": "not yours: joystick drives; WHY says when you may", "WHY": "then press an arrow key or c to ask"},
+        {
+            "ROBOT": "not yours: joystick drives; WHY says when you may",
+            "WHY": "2 s, then press an arrow key or c to ask",
+        },
     ),
     "another's, which gives way": (
-        Desk().holds("you", "demo", f"held by demo (6542d227), which gives way to others; {_HOW_TO_TAKE}"),
+        Desk().holds("you", "demo", Trouble("held by demo (6542d227), which gives way to others", action="take")),
         {
             "ROBOT": "not yours: demo drives; WHY says when you may",
             "WHY": "gives way to others; press an arrow key to take it, then let go of all keys to arm",
@@ -130,7 +131,7 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
         {"ROBOT": "yours, not armed: let go of all keys for 0.2 s", "WHY": "base has just started; let go of all keys"},
     ),
     "never to be armed": (
-        Desk().mine().take(base(armed=False, reason="the wiring is not checked; lift the wheels and run it")),
+        Desk().mine().take(base(armed=False, reason=Trouble("the wiring is not checked", "lift the wheels", "run"))),
         {"ROBOT": "yours, not armed: WHY says what is missing", "WHY": "the wiring is not checked"},
     ),
     "armed": (
@@ -143,19 +144,19 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
     ),
     "blocked": (Desk().mine().take(all_blocked()), {"ROBOT": "yours, armed", "WHY": FROZEN}),
     "stopped by another": (
-        Desk().mine().take(estop(engaged=True), base(armed=False, reason="emergency stop by ann@desk: smoke")),
+        Desk().mine().take(estop(engaged=True), base(armed=False, reason=STOPPED)),
         {
             "ROBOT": "yours, not armed: see that it may move, then release the stop",
             "WHY": "the emergency stop, as below",
-            "STOP": "ENGAGED; r asks to release it. By ann@desk: smoke",
+            "STOP": "ENGAGED. By ann@desk: smoke",
         },
     ),
     "stopped, and another's": (
-        Desk().holds("you", "joystick", HELD).take(estop(engaged=True), base(armed=False, reason="emergency stop")),
+        Desk().holds("you", "joystick", HELD).take(estop(engaged=True), base(armed=False, reason=STOPPED)),
         {
             "ROBOT": "stopped: see that it may move, then release the stop",
             "WHY": "the emergency stop, as below",
-            "STOP": "ENGAGED; r asks to release it. By ann@desk: smoke",
+            "STOP": "ENGAGED. By ann@desk: smoke",
         },
     ),
 }
@@ -171,30 +172,28 @@ def test_it_says_whose_the_robot_is_what_stops_it_and_what_to_do(case: str) -> N
 
 def test_a_stop_that_was_asked_for_here_comes_first_and_does_not_hide_another() -> None:
     desk = Desk().mine()
-    desk.stop = "STOPPING, NOT CONFIRMED after 3 requests; if it moves, use the battery switch"
-    assert told(desk)["STOP"] == desk.stop
-    desk.stop = "STOPPED: base has confirmed; press r to release it"
+    asked = desk.stop = Trouble("STOPPING, NOT CONFIRMED after 3 requests", "if it moves, use the battery switch")
+    assert told(desk)["STOP"] == str(asked)
     desk.take(estop(engaged=True))
-    assert told(desk)["STOP"] == f"{desk.stop}. By ann@desk: smoke"
-    desk.stop = "RELEASE? y: yes, any other key: no. It is the stop by ann@desk: smoke"
-    assert told(desk)["STOP"] == desk.stop
+    assert told(desk)["STOP"] == f"{asked}. {SMOKE}"
+    desk.stop = CONFIRMED
+    assert told(desk)["STOP"] == f"{CONFIRMED.what}. {SMOKE}"
+    desk.stop = release_question(estop(engaged=True))
+    question = "RELEASE? y: yes, any other key: no. It is the stop by ann@desk: smoke; see that the robot may move"
+    assert told(desk)["STOP"] == question
 
 
-def test_no_way_out_is_that_of_a_hand() -> None:
-    """Of all that base and guard may say."""
-    of_a_hand = re.compile(r"\b(hand|level|tilt)\b")
+def test_no_reason_has_the_words_of_a_hand() -> None:
+    """Each screen has words of its own: nothing that base or guard may say names a hand."""
+    of_a_hand = re.compile(r"\b(level|tilt|press|arrow key)\b")
     sources = [path for part in ("base", "guard") for path in (ROOT / "services" / f"giraff_{part}").rglob("*.py")]
-    told = [RESET_COMMAND, HOW_TO_ASK, *(text for path in sources for text in texts_of(path.read_text()))]
-    texts = [text for text in told if of_a_hand.search(text)]
-    assert HOW_TO_ARM in texts
-    assert _HOW_TO_TAKE in texts
-    assert [text for text in texts if of_a_hand.search(for_keys(text))] == []
-    of_no_page = re.compile(rf"{of_a_hand.pattern}|giraff [a-z]|\bkey\b")
-    assert [text for text in told if of_no_page.search(on_page(Trouble("x", text)).remedy)] == []
+    texts = [text for path in sources for text in texts_of(path.read_text())]
+    assert [text for text in texts if of_a_hand.search(text)] == []
+    assert [text for text in KEYS.values() if re.search(r"\b(level|tilt)\b", text)] == []
 
 
 def texts_of(source: str) -> list[str]:
-    """What of a module a person may read: constants of more than a word, without the docstrings."""
+    """Return what a person may read of a module: constants of more than a word, without the docstrings."""
     tree = ast.parse(source)
     silent = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     texts = [node for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in silent]
@@ -218,29 +217,26 @@ def test_a_small_terminal_tells_how_to_stop_release_and_end(case: str) -> None:
     assert "Ctrl-C ends   c takes it, stands   + -" in rows[KEYS_END]
 
 
-@pytest.mark.parametrize("cause", [HELD, ARM, f"front_right and front_left: {FROZEN}"])
-def test_the_longest_reasons_are_whole_on_80_by_24(cause: str) -> None:
-    desk = (
-        Desk()
-        .mine()
-        .take(msgspec.structs.replace(all_blocked(), reason=Trouble(cause)), base(armed=False, reason=cause))
-    )
+@pytest.mark.parametrize("cause", [HELD, ARM, Trouble(f"front_right, front_left: {FROZEN}", "check them")])
+def test_the_longest_reasons_are_whole_on_80_by_24(cause: Trouble) -> None:
+    blocked = msgspec.structs.replace(all_blocked(), reason=cause)
+    desk = Desk().mine().take(blocked, base(armed=False, reason=cause))
     running = desk.picture
     desk.take(EStop(engaged=True, id=3, by=STUCK.by, reason=STUCK.reason))
-    desk.stop = "STOPPED: base has confirmed; press r to release it"
-    by_board = f"By the base board: {for_keys(str(STUCK.reason))}"
-    for picture, told_of in (running, for_keys(cause)), (desk.picture, by_board):
+    desk.stop = CONFIRMED
+    by_board = f"By the base board: {STUCK.reason.line(KEYS)}"
+    for picture, told_of in (running, cause.line(KEYS)), (desk.picture, by_board):
         rows = drawn(picture)
         assert len(rows) == ROWS
         text = " ".join(" ".join(rows).split())
-        assert text.count(f"{FROZEN}; turn left or back up") == 4
+        assert text.count(str(BLOCKED.reason)) == 4
         assert told_of in text
         assert "…" not in text
 
 
 def test_what_the_network_says_can_neither_steer_the_terminal_nor_move_a_row() -> None:
     bad = "a\x1b[2J\nb[bold]\u202e\u009b漢" * 40
-    desk = Desk().holds("x", bad, bad).take(estop(engaged=True), base(armed=False, reason=bad))
+    desk = Desk().holds("x", bad, Trouble(bad)).take(estop(engaged=True), base(armed=False, reason=bad))
     desk.take(all_blocked(verdict(0.0, "blocked", bad, bad, bad)), reading(bad, 1e300), Battery(voltage=1e300))
     rows = drawn(desk.picture)
     assert len(rows) == ROWS

@@ -176,7 +176,7 @@ def test_at_several_addresses_each_is_asked_for_itself_whatever_a_page_says(
         def stopped(self) -> set[str]:
             return {ROBOT}
 
-    monkeypatch.setattr(it, "find_silent", lambda _: [])
+    monkeypatch.setattr(it, "find_silent", lambda _: {})
     given = ("192.0.2.1", "192.0.2.2")
     network.connection.network = NetworkConfig(connect=given)
     monkeypatch.setattr(network.connection, "open_other_doors", lambda _: None)
@@ -375,7 +375,7 @@ def test_a_stop_of_all_is_not_done_where_an_address_does_not_answer_though_other
 ) -> None:
     told: list[it.Result] = []
     monkeypatch.setattr(it, "_engage_heard", lambda *_: it.RELEASED)
-    monkeypatch.setattr(it, "find_silent", lambda addresses: [f"{address}: No route to host" for address in addresses])
+    monkeypatch.setattr(it, "find_silent", lambda addresses: dict.fromkeys(addresses, "No route to host"))
     for addresses, code in (((), 0), (("192.168.1.9",), 2)):
         assert it.engage_all(network.connection, WISH, 10.0, addresses, told.append) == code
     assert [result.text for result in told] == [

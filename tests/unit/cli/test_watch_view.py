@@ -243,7 +243,8 @@ def test_the_report_has_the_names_that_are_promised() -> None:
     assert told["why"] == "1.23 m ahead; turn away"
     assert told["ranges"]["front_left"]["range"] == 1.23
     assert told["ranges"]["rear"]["state"] == "fault"
-    assert told["guard"]["forward"]["reason"] == {"what": "1.23 m ahead", "remedy": "turn away"}
+    reason = told["guard"]["forward"]["reason"]
+    assert reason == {"what": "1.23 m ahead", "remedy": "turn away", "action": "", "argument": ""}
     assert (told["lease"]["operator"], told["battery"]["voltage"]) == ("joystick", 24.3)
     assert told["base"]["age"] == 0.0
     assert told["topics"]["odom"] == {"hz": 100.0, "lost": 0, "age": 0.0}

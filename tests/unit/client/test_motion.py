@@ -195,7 +195,7 @@ def test_a_motion_that_is_refused_does_not_have_drive_arm_again(network: Network
     network.motion.refusal = "held by keyboard"
     with pytest.raises(MotionError):
         robot.move(1.0)
-    with pytest.raises(RefusedError, match=r"a script calls robot\.arm\(\)"):
+    with pytest.raises(RefusedError, match=r"call robot\.arm\(\)"):
         robot.drive(0.1, 0.0)
     assert network.holder == ""
 
@@ -214,7 +214,7 @@ def test_what_has_taken_the_robot_away_takes_it_from_drive_as_well(network: Netw
     network.motion.outcome = "disarmed"
     with pytest.raises(MotionError):
         robot.move(1.0)
-    with pytest.raises(Exception, match=r"a script calls robot\.arm\(\)"):
+    with pytest.raises(Exception, match=r"call robot\.arm\(\)"):
         robot.drive(0.1, 0.0)
     robot.arm()
     robot.drive(0.1, 0.0)

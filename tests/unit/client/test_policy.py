@@ -130,7 +130,7 @@ def test_a_motions_lease_is_waited_for(script: Script) -> None:
 def test_a_robot_that_another_takes_is_told_from_one_that_nobody_drives(script: Script) -> None:
     script.arm()
     script.lease("another", "joystick")
-    with pytest.raises(TakenError, match=r"held by joystick; a script calls robot\.arm") as taken:
+    with pytest.raises(TakenError, match=r"held by joystick; call robot\.arm") as taken:
         script.drive()
     assert taken.value.holder == "joystick"
     script.lease("", "")
@@ -143,7 +143,7 @@ def test_a_robot_that_another_takes_is_told_from_one_that_nobody_drives(script: 
 def test_what_was_lost_is_not_taken_up_again(script: Script) -> None:
     script.arm()
     script.base(armed=False)
-    with pytest.raises(NotArmedError, match=r"since a shout; a script calls robot\.arm"):
+    with pytest.raises(NotArmedError, match=r"since a shout; call robot\.arm"):
         script.drive()
     script.base(armed=True)
     script.lease("", "")

@@ -345,9 +345,9 @@ def test_a_robot_that_nobody_has_named_and_that_is_no_simulation_of_this_host_ta
 def test_one_address_is_an_address(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
 
-    def find_silent(addresses: Sequence[str]) -> list[str]:
+    def find_silent(addresses: Sequence[str]) -> dict[str, str]:
         asked.extend(addresses)
-        return ["192.168.1.9: Connection refused"]
+        return {"192.168.1.9": "Connection refused"}
 
     monkeypatch.setattr(giraff_client.robot, "find_silent", find_silent)
     with (

@@ -215,7 +215,7 @@ def test_a_restarted_ranger_is_bound_once_the_old_one_is_silent_and_disarms(
     air.wait(silence)
     air.tick()
     assert air.echo(2) is bound
-    assert ("took the place of ranger-1; arm again" if bound else "a second ranger") in air.fault
+    assert ("took the place of ranger-1; hold the hand level" if bound else "a second ranger") in air.fault
     air.wait(0.1)
     assert air.echo(1) is not bound
     air.wait(0.1)

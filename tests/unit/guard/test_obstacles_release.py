@@ -44,7 +44,7 @@ def test_two_contrary_readings_release_to_creep_and_each_further_one_adds_speed(
     senses = stepped_in(sensors, NOT_HELD)
     senses.cycle(dict.fromkeys(sensors, longer), cycles=2)
     allowed = [senses.allowed(way)]
-    assert "speeding up" in str(senses.verdict(way).reason)
+    assert "it speeds up" in str(senses.verdict(way).reason)
     for _ in range(6):
         senses.cycle(dict.fromkeys(sensors, longer))
         allowed.append(senses.allowed(way))

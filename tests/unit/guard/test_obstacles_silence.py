@@ -88,7 +88,7 @@ def test_each_sensor_of_a_way_has_to_prove_itself(senses: Senses, sensor: str) -
     assert judged.sensor == sensor
     assert judged.allowed == pytest.approx(SLOW)
     assert "has not proved lately that it hears" in judged.reason.what
-    assert str(senses.troubles()[sensor]) == judged.reason.what
+    assert senses.troubles()[sensor] == judged.reason
     assert senses.verdict("backward").freedom == "free"
 
 

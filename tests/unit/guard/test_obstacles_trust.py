@@ -26,7 +26,7 @@ def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
         assert judged.allowed == pytest.approx(CONFIG.unproved_linear)
         assert (judged.freedom, judged.sensor) == ("slow", sensor)
         assert "has not proved lately that it hears" in judged.reason.what
-        assert "face a wall within 4 m" in judged.reason.what
+        assert judged.reason.remedy == "face a wall within 4 m"
     assert "has not proved" in str(senses.troubles()["rear"])
 
 

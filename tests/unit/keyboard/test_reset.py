@@ -7,9 +7,10 @@ import pytest
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key
 from giraff_keyboard.reset_request import ASKS_FOR, READ_FIRST, ResetRequest
+from giraff_schemas.actions import KEYS
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from tests.unit.keyboard.keyboards import EPOCH, person
 
 RELEASED = EStopAnswer(done=True, engaged=False, id=4)
@@ -61,7 +62,7 @@ class Base:
             moment = None if self.is_lost else self.moment
             self.keys.on_key(key, moment, self.now, stopping=self.is_stopping)
             self.wait(gap)
-        return self.keys.text
+        return self.keys.outcome.line(KEYS)
 
 
 @pytest.fixture
@@ -77,7 +78,7 @@ def test_r_asks_and_y_releases_the_latch_that_is_shown_with_the_robots_time_of_t
     base.wait(0.3)
     base.answer = RELEASED
     base.wait(0.1)
-    assert base.keys.text == ""
+    assert base.keys.outcome == WELL
     attempts = base.attempts
     base.wait(1.0)
     assert base.attempts == attempts
@@ -121,7 +122,7 @@ def test_a_yes_counts_once_one_has_read_and_while_the_question_stands() -> None:
 def test_a_question_that_nobody_answers_goes(base: Base) -> None:
     base.press(Key.RESET)
     base.wait(ASKS_FOR + 0.2)
-    assert base.keys.text == ""
+    assert base.keys.outcome == WELL
 
 
 @pytest.mark.parametrize(
@@ -171,13 +172,13 @@ def test_a_release_that_is_refused_or_unanswered_says_so_and_is_not_asked_for_ev
     base.press(Key.YES)
     base.fault = "estop/reset: nobody there"
     base.wait(3.0)
-    assert base.keys.text == "RELEASE NOT CONFIRMED: estop/reset: nobody there; ask again"
+    assert str(base.keys.outcome) == "RELEASE NOT CONFIRMED: estop/reset: nobody there; ask again"
     base.press(Key.RESET)
     base.wait(1.0)
     base.answer = EStopAnswer(done=False, engaged=True, id=5, reason=Trouble("latch 4 is not the one engaged"))
     base.press(Key.YES)
     base.wait(0.1)
-    assert base.keys.text == "STILL STOPPED: latch 4 is not the one engaged"
+    assert str(base.keys.outcome) == "STILL STOPPED: latch 4 is not the one engaged"
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from giraff_core.estop.request import EStopRequest
 from giraff_keyboard.stop_hold import StopHold
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 
 
 class Line:
@@ -45,9 +45,9 @@ STATED = EStop(instance="base-1", engaged=True, id=4, by="me", reason=Trouble("s
 
 def test_nothing_is_asked_before_the_space_bar() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
+    stopping = EStopRequest(line.ask, is_open=False)
     assert not stopping.poll(0.0)
-    assert (line.requests, stopping.asked, stopping.text) == (0, False, "")
+    assert (line.requests, stopping.asked, stopping.outcome) == (0, False, WELL)
 
 
 @pytest.mark.parametrize(
@@ -60,39 +60,39 @@ def test_nothing_is_asked_before_the_space_bar() -> None:
 )
 def test_it_asks_until_base_confirms(is_open: bool, reached: bool, says: str) -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it", is_open=is_open)
+    stopping = EStopRequest(line.ask, is_open=is_open)
     stopping.engage()
-    assert "NOT CONFIRMED" in stopping.text
+    assert "NOT CONFIRMED" in str(stopping.outcome)
     line.fault = "estop/engage: nobody there"
     for turn in range(50):
         assert not stopping.poll(turn * 0.03)
         assert stopping.asked
-    assert "NOT CONFIRMED after 50 requests: estop/engage: nobody there" in stopping.text
-    assert "battery switch" in stopping.text
+    assert "NOT CONFIRMED after 50 requests: estop/engage: nobody there" in str(stopping.outcome)
+    assert "battery switch" in str(stopping.outcome)
     line.answer = msgspec.structs.replace(STOPPED, board_reached=reached)
     assert not stopping.poll(2.0)
-    assert "NOT CONFIRMED after 51 requests: an answer says that latch 4 is engaged, but no estop" in stopping.text
+    assert "after 51 requests: an answer says that latch 4 is engaged, but no estop" in str(stopping.outcome)
     stopping.on_sample(STATED)
     assert stopping.poll(2.0)
     assert not stopping.asked
-    assert stopping.text == f"{says}; press r to release it"
+    assert stopping.outcome == Trouble(says, action="release")
     assert not stopping.poll(2.1)
 
 
 def test_an_answer_that_does_not_confirm_is_told_and_asked_again() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
+    stopping = EStopRequest(line.ask, is_open=False)
     stopping.engage()
     line.refusal = EStopAnswer(done=False, engaged=True, id=4, reason=Trouble("disk full"))
     for turn in range(21):
         assert not stopping.poll(turn * 0.05)
         assert stopping.asked
-    assert "NOT CONFIRMED after 21 requests: base answers: disk full" in stopping.text
+    assert "NOT CONFIRMED after 21 requests: base answers: disk full" in str(stopping.outcome)
 
 
 def test_pressed_again_while_asking_it_is_one_request() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
+    stopping = EStopRequest(line.ask, is_open=False)
     for _ in range(5):
         stopping.engage()
         stopping.poll(0.0)
@@ -101,17 +101,17 @@ def test_pressed_again_while_asking_it_is_one_request() -> None:
 
 def test_it_can_stop_again_after_a_reset() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask, "press r to release it", is_open=False)
+    stopping = EStopRequest(line.ask, is_open=False)
     line.answer = STOPPED
     stopping.engage()
     stopping.on_sample(STATED)
     assert stopping.poll(0.0)
-    assert stopping.text
+    assert stopping.outcome
     stopping.on_sample(EStop(engaged=False, id=4, by="you"))
-    assert stopping.text == ""
+    assert not stopping.outcome
     stopping.engage()
     stopping.on_sample(EStop(engaged=False, id=4, by="you"))
-    assert "NOT CONFIRMED" in stopping.text
+    assert "NOT CONFIRMED" in str(stopping.outcome)
     assert not stopping.poll(0.9), "base has said so of the stop before"
     stopping.on_sample(STATED)
     assert stopping.poll(1.0)

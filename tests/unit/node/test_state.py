@@ -59,8 +59,9 @@ def test_what_is_written_is_read(tmp_path: Path, latch: EStopLatch) -> None:
         (b"[" * 100_000, "damaged"),
         (b"null", "damaged"),
         (WHOLE.replace(b'"engaged":false,', b""), "damaged"),
-        (WHOLE.replace(b'"reason":{"what":"","remedy":""},', b""), "damaged"),
-        (WHOLE.replace(b'{"what":"","remedy":""}', b'""'), "damaged"),
+        (WHOLE.replace(b'"reason":{"what":"","remedy":"","action":"","argument":""},', b""), "damaged"),
+        (WHOLE.replace(b'{"what":"","remedy":"","action":"","argument":""}', b'""'), "damaged"),
+        (WHOLE.replace(b'"action":""', b'"action":"drive"'), "damaged"),
         (WHOLE.replace(b"false", b'"false"'), "damaged"),
         (WHOLE.replace(b"false", b"0"), "damaged"),
         (WHOLE.replace(b"7", b"7.5"), "damaged"),
@@ -82,7 +83,7 @@ def test_a_file_that_says_nothing_clear_is_a_latch(tmp_path: Path, content: byte
     assert latch.engaged
     assert words in str(latch.reason)
     assert str(tmp_path / LATCH_FILE) in str(latch.reason)
-    assert str(latch.reason).endswith("giraff estop reset")
+    assert latch.reason.action == "release"
     assert latch.id == LOST
 
 

@@ -81,7 +81,7 @@ def an_example(type_: type[msgspec.Struct]) -> dict[str, Any]:
 
 _START = {"seq": 3, "stamp_ns": 1_700_000_000_000_000_000, "instance": "a1"}
 _TIME = {"epoch": 7, "robot_ns": 5_000_000_000}
-_WELL = {"what": "", "remedy": ""}
+_WELL = {"what": "", "remedy": "", "action": "", "argument": ""}
 _VERDICT = {"allowed": 0.6, "freedom": "free", "sensor": "", "reason": _WELL}
 _BOARD = {
     "connected": True,
@@ -96,7 +96,7 @@ _BOARD = {
 }
 _PLACE = {"x": 1.0, "y": 2.0, "yaw": 0.5}
 _DISPLACEMENT = {"path": 1.0, "x": 1.0, "y": 0.1, "yaw": 0.2}
-_SAYS = {"reason": {"what": "it is dark", "remedy": "light a fire"}}
+_SAYS = {"reason": {"what": "it is dark", "remedy": "light a fire", "action": "run", "argument": "giraff why"}}
 _TWIST = {"linear_x": 0.3, "angular_z": -0.2}
 
 _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
@@ -234,7 +234,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "way": 3.0,
         "particles": 1000,
         "map": "hall",
-        "reason": {"what": "2 places fit", "remedy": ""},
+        "reason": _WELL | {"what": "2 places fit"},
         "tick": _TIME,
     },
     lo.Particles: _START | {"x": [1.0, 2.0], "y": [0.0, 1.0], "yaw": [0.5, -0.5]},

@@ -92,7 +92,7 @@ def test_nobody_looks_until_a_person_switches_it_on_and_then_all_who_do_are_name
     desk.it.switch(2, LAPTOP, on=True)
     assert desk.turn() == [1, 2]
     assert (desk.source.camera, desk.source.by) == ("front", f"web@desk ({PHONE}, {LAPTOP})")
-    assert desk.told == [(1, Looking(on=True, why="")), (2, Looking(on=True, why=""))]
+    assert desk.told == [(page, Looking(on=True, why=WELL)) for page in (1, 2)]
     desk.it.switch(2, LAPTOP, on=False)
     assert (desk.source.by, desk.source.is_closed) == (f"web@desk ({PHONE})", False)
     desk.it.on_closed(1)
@@ -139,15 +139,14 @@ def test_a_page_that_shows_nothing_and_a_camera_that_was_started_anew_end_it_wit
     desk.turn()
     desk.turn(SILENT + 0.1)
     assert desk.source.is_closed
-    assert desk.told[-1] == (
-        1,
-        Looking(on=False, why="the page showed nothing for 1.5 s; check the wireless network, and tap to see it again"),
-    )
+    why = Trouble("the page showed nothing for 1.5 s", "check the wireless network, and tap to see it again")
+    assert desk.told[-1] == (1, Looking(on=False, why=why))
     desk.it.switch(1, PHONE, on=True)
     assert desk.turn() == [1]
     desk.it.on_state(msgspec.structs.replace(STATE, instance="second"), desk.now)
     assert desk.source.is_closed
-    assert desk.told[-1] == (1, Looking(on=False, why="the camera was started anew; tap to see it again"))
+    why = Trouble("the camera was started anew", "tap to see it again")
+    assert desk.told[-1] == (1, Looking(on=False, why=why))
 
 
 def test_taps_open_one_source_a_second(desk: Desk) -> None:
@@ -161,14 +160,15 @@ def test_taps_open_one_source_a_second(desk: Desk) -> None:
 
 def test_every_page_is_told_who_looks_and_what_is_wrong(desk: Desk) -> None:
     asker = Asker(instance="x", by="view@laptop", size="small")
-    state = msgspec.structs.replace(STATE, askers=(asker,), reason=Trouble("it is unplugged", "plug it in"))
+    unplugged = Trouble("it is unplugged", "plug it in")
+    state = msgspec.structs.replace(STATE, askers=(asker,), reason=unplugged)
     desk.it.on_state(state, 20.0)
     view = desk.it.view(20.0)
     assert view is not None
-    assert (view.askers, view.why) == (("view@laptop",), "it is unplugged; plug it in")
+    assert (view.askers, view.why) == (("view@laptop",), unplugged)
     silent = desk.it.view(20.1 + SILENT)
     assert silent is not None
-    assert (silent.askers, silent.why) == ((), "no camera of the robot is heard; check that giraff_camera runs")
+    assert (silent.askers, silent.why.what) == ((), "no camera of the robot is heard")
     assert PagesLooking(MagicMock(), "web@desk", None).view(0.0) is None
 
 

@@ -7,9 +7,9 @@ from giraff_core.estop.request import BY_WORD
 from giraff_core.sensors import HC_SR04, UltrasonicModel
 from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.config import WebConfig
-from giraff_web.messages import RELEASE, State, ToPage
+from giraff_web.messages import State, ToPage
 from giraff_web.picture import STALE, Picture
 from giraff_web.policy import WebPolicy
 from tests.support.robots import ROBOT
@@ -27,7 +27,7 @@ class Shown:
         self.policy.operator.on_tick(Tick(instance="base", epoch=7, robot_ns=1 << 62), 0.0)
 
     def at(self, now: float) -> State:
-        state = self.picture.state(self.policy, "", now)
+        state = self.picture.state(self.policy, WELL, now)
         decoded = msgspec.json.decode(msgspec.json.encode(state), type=ToPage)
         assert isinstance(decoded, State)
         return decoded
@@ -60,7 +60,7 @@ def test_what_is_not_heard_is_not_shown() -> None:
     assert (state.armed, state.stop, state.directions, state.pose, state.battery) == (None,) * 5
     assert set(state.ranges) == set(ROBOT.sensors)
     assert {echo.state for echo in state.ranges.values()} == {"silent"}
-    assert "guard" in state.why
+    assert "guard" in state.why.what
 
 
 def test_a_page_draws_the_sensors_that_the_robot_has_as_it_says() -> None:
@@ -135,19 +135,13 @@ def test_the_room_fits_until_odometry_begins_anew_or_its_pose_is_set() -> None:
 
 
 def test_numbers_that_a_page_cannot_hold_are_texts(shown: Shown) -> None:
-    latch = EStop(
-        instance="base",
-        engaged=True,
-        id=(1 << 53) - 1,
-        by="x",
-        reason=Trouble("y", "free it, then giraff estop reset"),
-        engaged_ns=1 << 62,
-    )
+    why = Trouble("y", "free it", "release")
+    latch = EStop(instance="base", engaged=True, id=(1 << 53) - 1, by="x", reason=why, engaged_ns=1 << 62)
     shown.picture.take(latch, 0.0)
     state = shown.at(0.1)
     assert state.stop is not None
     assert (state.stop.id, state.stop.engaged_ns) == (str((1 << 53) - 1), str(1 << 62))
-    assert (state.stop.reason, state.stop.remedy) == ("y", f"free it, then {RELEASE}")
+    assert state.stop.reason == why
 
 
 @pytest.mark.parametrize(("is_open", "word"), [(False, "confirmed"), (True, BY_WORD)])
@@ -160,9 +154,8 @@ def test_whose_word_a_stop_is_stands_beside_it(is_open: bool, word: str) -> None
 
 
 def test_who_drives_is_named(shown: Shown) -> None:
-    shown.policy.operator.on_lease(
-        Lease(instance="g", holder="x", operator="joystick", counter=1, reason=Trouble("joystick drives"))
-    )
+    held = Trouble("held by joystick (x)", "wait", "ask", "joystick")
+    shown.policy.operator.on_lease(Lease(instance="g", holder="x", operator="joystick", counter=1, reason=held))
     state = shown.at(0.1)
     assert (state.operator, state.device, state.page) == ("joystick", "", 0)
-    assert state.why == "joystick drives"
+    assert state.why == held

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopReset
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.stops import Stops
 
 RESET = EStopReset(by="web@host (phone)", id=4, tick=RobotTime(epoch=7, robot_ns=1), engaged_ns=9)
@@ -67,8 +67,8 @@ def test_it_asks_until_base_confirms(base: Base) -> None:
     assert [asked.what for asked in base.asked] == ["phone"]
     for n in range(5):
         assert not base.stops.poll(n * 0.1)
-    assert "NOT CONFIRMED" in base.stops.text
-    assert "battery switch" in base.stops.text
+    assert "NOT CONFIRMED" in base.stops.outcome.what
+    assert "battery switch" in base.stops.outcome.remedy
     base.asked[0].answer = STOPPED
     assert not base.stops.poll(1.0)
     base.says(1.0, engaged=True)
@@ -152,9 +152,9 @@ def test_what_is_told_of_a_release_goes_with_the_stop(base: Base) -> None:
     base.stops.reset("phone", RESET, 0.0)
     base.asked[0].answer = REFUSED
     base.stops.poll(0.1)
-    assert base.stops.text
+    assert base.stops.outcome
     base.says(1.0, engaged=False)
-    assert base.stops.text == ""
+    assert base.stops.outcome == WELL
 
 
 @pytest.mark.parametrize("age", [0.0, 2.0])
@@ -178,14 +178,14 @@ def test_a_release_names_what_was_shown_and_tells_what_base_says(base: Base) -> 
     base.stops.reset("phone", RESET, 0.0)
     assert base.asked[0].what == RESET
     base.stops.poll(0.0)
-    assert "not confirmed" in base.stops.text
+    assert "not confirmed" in base.stops.outcome.what
     base.asked[0].answer = REFUSED
     base.stops.poll(0.1)
-    assert base.stops.text == "STILL STOPPED: there is another stop now"
+    assert base.stops.outcome == Trouble("STILL STOPPED: there is another stop now")
     base.stops.reset("phone", RESET, 0.1)
     base.asked[1].answer = RELEASED
     base.stops.poll(0.2)
-    assert base.stops.text == ""
+    assert base.stops.outcome == WELL
 
 
 def test_who_wants_a_stop_wants_no_release_any_more(base: Base) -> None:
@@ -204,19 +204,19 @@ def test_off_is_asked_for_under_a_stop_too_until_base_has_answered(base: Base, k
     assert base.asked == []
     for n in range(3):
         base.stops.stop("phone", 0.2 + n * 0.1, off=True)
-        assert "SWITCHING OFF, NOT CONFIRMED" in base.stops.text
+        assert "SWITCHING OFF, NOT CONFIRMED" in base.stops.outcome.what
     base.asked[0].answer = STOPPED
     base.says(0.5, engaged=True, off=knows_off)
     assert base.stops.poll(0.5)
     word = base.stops.confirmed(0.5)
     assert word is not None
     assert word.off == knows_off
-    assert ("STOPPED, not off: this robot's drive has no other off" in base.stops.text) != knows_off
+    assert ("STOPPED, not off: this robot's drive has no other off" in base.stops.outcome.what) != knows_off
     base.stops.stop("phone", 0.6, off=True)
     assert [asked.what for asked in base.asked] == ["phone, off"]
     base.says(3.0, engaged=True, off=knows_off)
     base.says(3.1, engaged=False)
-    assert base.stops.text == ""
+    assert base.stops.outcome == WELL
 
 
 def test_off_takes_the_place_of_a_stop_that_is_not_confirmed(base: Base) -> None:

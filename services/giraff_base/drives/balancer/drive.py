@@ -182,8 +182,8 @@ class BalancerDrive(Dialogue[BalanceFrame]):
     def _is_held(self, report: BalanceFrame) -> bool:
         return report.latch == BalanceLatch.OFF or (report.latch == BalanceLatch.STANDS and not self._off)
 
-    def _halts(self, report: BalanceFrame) -> list[str]:
-        found, last = [], self._report
+    def _halts(self, report: BalanceFrame) -> list[Trouble]:
+        found, last = list[Trouble](), self._report
         is_off = report.posture == BalancePosture.OFF
         is_leaned = abs(report.lean_urad) * 1e-6 > _TAKEN
         self._untouched = is_off and not is_leaned and (self._stood or self._untouched)

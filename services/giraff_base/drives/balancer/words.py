@@ -25,11 +25,13 @@ _CAUSES: Final[dict[int, Trouble]] = {
 }
 _POSTURES: Final[dict[int, str]] = {BalancePosture.STANDS: "stands", BalancePosture.SITS_DOWN: "sits down"}
 _CORD: Final = EStopEngage(by="the cord", reason=Trouble("it is pulled", "put it back"), off=True)
-HELD: Final = "something held it: clear the way"
+HELD: Final = Trouble("something held it", "clear the way")
 NEW_GAINS: Final = Trouble("it stops before it takes other gains")
 ONLY_STANDS: Final = Trouble(
     "it stands and does not drive: with these gains it would stop too late",
-    "`giraff tune balance` computes others; or lower max_wheel_speed",
+    "lower max_wheel_speed or take other gains",
+    "run",
+    "giraff tune balance",
 )
 AT_LIMIT: Final = Trouble("at its limit: it needs its whole torque to stay up")
 GETS_UP: Final = Trouble("the robot gets up")
@@ -47,9 +49,9 @@ def cause(report: BalanceFrame) -> Trouble:
     return _CAUSES.get(report.cause) or Trouble(f"cause {word(BalanceCause, report.cause)}", "reflash the board")
 
 
-def left_standing(report: BalanceFrame) -> str:
+def left_standing(report: BalanceFrame) -> Trouble:
     """Say that a robot that stood does so no more, and why."""
-    return f"it {'sat down' if report.posture == BalancePosture.SITS_DOWN else 'went off'}: {cause(report)}"
+    return cause(report).of(f"it {'sat down' if report.posture == BalancePosture.SITS_DOWN else 'went off'}")
 
 
 def lies(report: BalanceFrame) -> Trouble:

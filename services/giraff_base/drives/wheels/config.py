@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Final, Literal
 
 import msgspec
 
-from giraff_base.drives.soldered import Soldered
+from giraff_base.drives.soldered import CHECK_THEM, Soldered
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
@@ -139,7 +139,7 @@ class WheelsConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         """Why nobody knows yet whether the robot moves as it is asked."""
         if self.is_checked:
             return WELL
-        return Trouble("the wiring is not checked", "lift the wheels and run giraff check wheels")
+        return Trouble("the wiring is not checked", *CHECK_THEM)
 
     def require_countable(self, robot: RobotConfig) -> None:
         """Raise ValueError where the wheels may be faster than the board counts: nobody would see what is lost."""

@@ -108,7 +108,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         moves = demand != _ZERO
         return Answer(self._demand.frame(report, demand), limit(report, self._board) if moves else None, moves)
 
-    def _halts(self, report: WheelsFrame) -> list[str]:
+    def _halts(self, report: WheelsFrame) -> list[Trouble]:
         return [by] if (by := held(report)) else []
 
     def _latched(self, report: WheelsFrame) -> EStopEngage:

@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_base.drives.dialogue import KEPT_STOP
+from giraff_base.drives.soldered import CHECK_THEM
 from giraff_schemas.boards import BoardType
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import DriveState, Latch, SpeedFlag, WheelsFrame
 
 _FREE_IT: Final = "free it, check its motor and its encoder's cable"
-_LIFT_IT: Final = "lift the wheels and run giraff check wheels"
 _LATCHED_BY: Final[dict[int, Trouble]] = {
     Latch.ESTOP: KEPT_STOP,
     Latch.LEFT_STUCK: Trouble("left wheel stuck", _FREE_IT),
     Latch.RIGHT_STUCK: Trouble("right wheel stuck", _FREE_IT),
-    Latch.LEFT_OPPOSITE: Trouble("left wheel turned against its motor", _LIFT_IT),
-    Latch.RIGHT_OPPOSITE: Trouble("right wheel turned against its motor", _LIFT_IT),
+    Latch.LEFT_OPPOSITE: Trouble("left wheel turned against its motor", *CHECK_THEM),
+    Latch.RIGHT_OPPOSITE: Trouble("right wheel turned against its motor", *CHECK_THEM),
 }
 _AT_LIMIT_FLAG: Final = int(SpeedFlag.AT_LIMIT)  # of a flag, `&` would make another one in each frame
 _AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
@@ -34,14 +34,14 @@ def engaged_by(latch: int) -> EStopEngage:
     return EStopEngage(by="the base board", reason=_LATCHED_BY.get(latch, unknown))
 
 
-def held(report: WheelsFrame) -> str:
-    """Which wheel something held, with the way out; empty while the board says that none was."""
+def held(report: WheelsFrame) -> Trouble:
+    """Return which wheel something held. WELL: the board says that none was."""
     if report.drive_state != DriveState.HELD:
-        return ""
+        return WELL
     sides = ((SpeedFlag.LEFT_HELD, "left"), (SpeedFlag.RIGHT_HELD, "right"))
     names = [side for flag, side in sides if report.speed_flags & flag]
     which = f"the {names[0]} wheel was" if len(names) == 1 else "both wheels were" if names else "a wheel was"
-    return f"{which} held: clear the way, or check its encoder, motor and battery"
+    return Trouble(f"{which} held", "clear the way, or check its encoder, motor and battery")
 
 
 def limit(report: WheelsFrame, board: BoardType) -> Trouble:

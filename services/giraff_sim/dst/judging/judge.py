@@ -104,7 +104,7 @@ class Judge(Ledger):
             refused = "not saved" if isinstance(request, ParamSave) else "refused"
             self._story.count(f"parameter: {what if answer.done else refused}")
         if isinstance(answer, EStopAnswer):
-            self._story.count(f"answer: {kind_of(str(answer.reason)) or ('stopped' if answer.engaged else 'released')}")
+            self._story.count(f"answer: {kind_of(answer.reason.what) or ('stopped' if answer.engaged else 'released')}")
             if process.name == BASE and (wrong := self._latch.answered(process, answer, self._agenda.now_us)):
                 self._violated("d", wrong)
 
@@ -210,7 +210,7 @@ class Judge(Ledger):
             self._story.count("armed" if state.armed else "disarmed")
         if before.driving and not state.driving:
             self._story.log(f"stops: {state.reason or 'the operator wishes so'}")
-            self._story.count(f"stop: {kind_of(str(state.reason)) or 'the operator wishes so'}")
+            self._story.count(f"stop: {kind_of(state.reason.what) or 'the operator wishes so'}")
 
     def wrote(self, process: Process, frame: Frame) -> None:
         now_us = self._agenda.now_us

@@ -42,8 +42,9 @@ test("a message holds its number, its tick and the JPEG", async () => {
 });
 
 test("every page is told who looks and what is wrong", () => {
-  assert.equal(cameraText({ askers: [], why: "" }), "The robot’s camera is off.");
-  const text = cameraText({ askers: ["a", "b"], why: "it is unplugged; plug it in" });
+  const why = (what, remedy = "") => ({ what, remedy, action: "", argument: "" });
+  assert.equal(cameraText({ askers: [], why: why("") }, true), "The robot’s camera is off.");
+  const text = cameraText({ askers: ["a", "b"], why: why("it is unplugged", "plug it in") }, true);
   assert.equal(text, "The robot’s camera is on, for a, b. It is unplugged; plug it in.");
-  assert.equal(cameraText({ askers: [], why: "it is not heard" }), "It is not heard.");
+  assert.equal(cameraText({ askers: [], why: why("it is not heard") }, true), "It is not heard.");
 });

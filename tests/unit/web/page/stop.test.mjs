@@ -9,7 +9,7 @@ const latch = (engaged = true, id = "1", engaged_ns = "5") => ({
   engaged,
   word: "confirmed",
   by: "ann",
-  reason: "a chair",
+  reason: { what: "a chair" },
   id,
   engaged_ns,
 });

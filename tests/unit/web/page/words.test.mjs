@@ -6,9 +6,11 @@ import { test } from "node:test";
 import { Floor, ellipse, roomPlace, steadyScale } from "../../../../services/giraff_web/page/floor.js";
 import * as words from "../../../../services/giraff_web/page/words.js";
 
-const free = { freedom: "free", allowed: 0.6, sensor: "", reason: "", way_out: "" };
-const blocked = { freedom: "blocked", allowed: 0, sensor: "rear", reason: "rear is blind", way_out: "turn away" };
-const state = { page: 0, device: "", operator: "", armed: true, why: "", stop: null };
+const trouble = (what, remedy = "", action = "", argument = "") => ({ what, remedy, action, argument });
+const well = trouble("");
+const free = { freedom: "free", allowed: 0.6, sensor: "", reason: well };
+const blocked = { freedom: "blocked", allowed: 0, sensor: "rear", reason: trouble("rear is blind", "turn away") };
+const state = { page: 0, device: "", operator: "", armed: true, why: well, stop: null };
 const at = {
   linked: true,
   heard: true,
@@ -38,25 +40,28 @@ test("why: the first of what is between the hand and the robot", () => {
   assert.match(why({ mayDrive: false }), /open the address/);
   assert.equal(why({ mayDrive: false, session: "this code was used" }), "You can watch and stop. This code was used.");
   assert.equal(why({ refused: "begin neutral", ended: "idle" }), "Begin neutral");
-  assert.match(why({ ended: "stalled", state: { ...state, why: "not armed" } }), /stood still.*let go/);
+  assert.match(why({ ended: "stalled", state: { ...state, why: trouble("not armed") } }), /stood still.*let go/);
   assert.match(why({ ended: "focus", input: "keys" }), /let go of the keys/);
   assert.match(why({ ended: "gamepad", input: "gamepad" }), /the gamepad is not heard, or no hand moves it: let go of the shoulder buttons, centre/);
-  assert.equal(why({ hold: 2, state: { ...state, why: "not armed" } }), "Not armed");
-  const held = (text) => why({ state: { ...state, why: `held by ${text}` } });
-  assert.equal(held("demo (7e007ae3), which gives way to others"), "The demonstration drives; it gives way to others");
-  assert.equal(held("keyboard (7e007ae3) until it rests for 5 s"), "The keyboard drives until it rests for 5 s");
+  const told = (...told) => why({ hold: 2, state: { ...state, why: trouble(...told) } });
+  assert.equal(told("not armed since it fell", "", "hold_level", "0.2 s"), "Not armed since it fell");
+  const gives = "held by demo (7e007ae3), which gives way to others";
+  assert.equal(told(gives, "", "take", "demo"), "The demonstration drives; it gives way to others");
+  const held = told("held by keyboard (7e007ae3)", "wait until it rests for 5 s", "ask", "keyboard");
+  assert.equal(held, "The keyboard drives; wait until it rests for 5 s");
   assert.equal(why({ hold: 2 }), "The robot obeys.");
   assert.match(why({ ended: "finger" }), /^Put a finger/);
   assert.match(why({ stopping: true, mayDrive: false }), /emergency stop was asked/);
 });
 
 test("the emergency stop comes before every other reason, and no way is free beside it", () => {
-  const stopped = { ...state, armed: false, why: "not armed", stop: { engaged: true }, directions: { forward: free } };
+  const why = trouble("not armed", "", "hold_level", "0.2 s");
+  const stopped = { ...state, armed: false, why, stop: { engaged: true, reason: well }, directions: { forward: free } };
   for (const change of [{}, { ended: "idle" }, { refused: "begin neutral" }, { hold: 2 }]) {
     const text = words.whyText({ ...at, ...change, state: stopped });
     assert.equal(text, "STOPPED. See that the robot may move, then tap Release.");
   }
-  const stuck = { ...stopped, stop: { engaged: true, remedy: "free the wheel, then {release}" } };
+  const stuck = { ...stopped, stop: { engaged: true, reason: trouble("stuck", "free the wheel", "release") } };
   assert.equal(words.whyText({ ...at, state: stuck }), "STOPPED. Free the wheel, then tap Release.");
   const watching = words.whyText({ ...at, mayDrive: false, state: stuck });
   assert.match(watching, /^STOPPED. Free the wheel, then release it on a page that may drive. To drive, open the addr/);
@@ -64,6 +69,21 @@ test("the emergency stop comes before every other reason, and no way is free bes
   assert.equal(words.freedom(stopped, "forward"), "stopped");
   assert.equal(words.freedom({ ...stopped, stop: { engaged: false } }, "forward"), "free");
   assert.equal(words.freedom({ ...stopped, stop: null }, "backward"), "unknown");
+});
+
+test("what to do is told by what the page offers: no command to release a stop, and no keys of a terminal", () => {
+  for (const action of ["", "hold_level", "ask", "take", "start"]) {
+    assert.equal(words.line(trouble("x", "look", action), true), "x; look", action);
+  }
+  const run = "ask somebody at the robot’s computer to run `giraff check wheels`";
+  const line = (action, argument, mayDrive) => words.line(trouble("x", "look", action, argument), mayDrive);
+  assert.equal(line("run", "giraff check wheels", true), `x; look, then ${run}`);
+  assert.equal(line("release", "", true), "x; look, then tap Release");
+  assert.equal(line("release", "giraff check wheels", true), `x; look, then ${run}, then tap Release`);
+  const watching = `x; look, then ${run}, then release it on a page that may drive`;
+  assert.equal(line("release", "giraff check wheels", false), watching);
+  assert.equal(words.line(trouble("STOPPED", "", "release"), true), "STOPPED; tap Release");
+  assert.equal(words.line(well, true), "");
 });
 
 test("who drives, and how to take it", () => {
@@ -88,9 +108,9 @@ test("how to arm", () => {
 
 test("reasons: those of several ways together, and none that is written already", () => {
   const directions = { forward: free, backward: blocked, turn_left: blocked, turn_right: free };
-  assert.deepEqual(words.reasons(directions), ["Backward, left: rear is blind; turn away."]);
-  assert.deepEqual(words.reasons(directions, "backward: rear is blind; turn away"), []);
-  assert.deepEqual(words.reasons(null), ["The guard is not heard."]);
+  assert.deepEqual(words.reasons(directions, true), ["Backward, left: rear is blind; turn away."]);
+  assert.deepEqual(words.reasons(directions, true, trouble("backward blocked: rear is blind", "turn away")), []);
+  assert.deepEqual(words.reasons(null, true), ["The guard is not heard."]);
 });
 
 test("what is not heard is no number", () => {
@@ -111,14 +131,14 @@ test("how a robot balances, and why where it does not", () => {
 
 test("the floor plan as lines", () => {
   const ranges = {
-    front_left: { state: "echo", range: 0.84, reason: "" },
-    rear: { state: "fault", range: null, reason: "no echo at all" },
-    left: { state: "silent", range: null, reason: "" },
-    right: { state: "clear", range: null, reason: "" },
+    front_left: { state: "echo", range: 0.84, reason: well },
+    rear: { state: "fault", range: null, reason: trouble("no echo at all") },
+    left: { state: "silent", range: null, reason: well },
+    right: { state: "clear", range: null, reason: well },
   };
-  const map = { state: "localized", map: "flat", pose: [3, 4, 0], covariance: [0.01, 0, 0.04], yaw_sd: 0.035, why: "" };
+  const map = { state: "localized", map: "flat", pose: [3, 4, 0], covariance: [0.01, 0, 0.04], yaw_sd: 0.035, why: well };
   const pose = [1, -0.001, Math.PI / 2];
-  const lines = words.floorLines({ ranges, directions: null, pose, covariance: [0, 0, 0.0025], map });
+  const lines = words.floorLines({ ranges, directions: null, pose, covariance: [0, 0, 0.0025], map }, true);
   assert.deepEqual(lines.slice(0, 4), [
     "Front left: 0.84 m",
     "Rear: no echo at all",
@@ -130,13 +150,13 @@ test("the floor plan as lines", () => {
     "Localized on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°",
   ]);
   assert.equal(words.placeText(map), "Localized: 3.00, 4.00 m, 0°, sd 0.20 m, 2°");
-  const lost = { ...map, state: "lost", why: "nothing fits; drive on" };
-  assert.equal(words.mapText(lost), "Lost on flat: nothing fits; drive on");
+  const lost = { ...map, state: "lost", why: trouble("nothing fits", "drive on") };
+  assert.equal(words.mapText(lost, true), "Lost on flat: nothing fits; drive on");
   assert.equal(words.placeText(lost), "Lost: the place on flat is not known");
   assert.equal(words.placeText({ ...lost, state: "ambiguous" }), "Ambiguous: several places on flat fit");
-  const given = { ...map, state: "told", why: "drive on" };
+  const given = { ...map, state: "told", why: trouble("drive on") };
   assert.equal(words.placeText(given), "Told: 3.00, 4.00 m, 0°, sd 0.20 m, 2°");
-  assert.equal(words.mapText(given), "Told on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°; drive on");
+  assert.equal(words.mapText(given, true), "Told on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°; drive on");
 });
 
 test("the room is where the map has it, else where odometry began, else nowhere", () => {

@@ -1,0 +1,78 @@
+"""Steps that a person takes, and the words of each screen for them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, Literal
+
+Action = Literal["", "hold_level", "ask", "take", "start", "release", "run"]
+"""A step that a remedy ends with. Empty: it ends with none.
+
+`hold_level` arms the robot, `ask` and `take` get the lease, `start` brings an operator, `release` ends the emergency
+stop, `run` is a command at the robot's computer.
+"""
+Words = Mapping[Action, str]
+"""Words for each action. `{}` stands for its argument."""
+
+RESET_COMMAND: Final = "giraff estop reset"
+_RUN: Final = "run `{}`"
+_SCRIPT: Final = "call robot.arm()"
+_KEYS: Final = "press an arrow key or c to ask, then let go of all keys to arm"
+_TILT: Final = "tilt the hand to ask, then hold it level to arm"
+_PAGE: Final = "hold the page's field to ask, without a tilt to arm"
+_ROS: Final = "publish a speed on cmd_vel to ask, then zero speeds to arm"
+
+ANY: Final[Words] = {
+    "hold_level": "hold the hand level for {}",
+    "ask": "tilt or press a key to ask, then hold level with no key pressed to arm",
+    "take": "tilt or press a drive key to take it, then hold level with no key pressed to arm",
+    "start": "start giraff drive or giraff_joystick",
+    "release": _RUN.format(RESET_COMMAND),
+    "run": _RUN,
+}
+"""For a reader of whom nobody knows with what he drives."""
+KEYS: Final[Words] = {
+    "hold_level": "let go of all keys for {}",
+    "ask": _KEYS,
+    "take": "press an arrow key to take it, then let go of all keys to arm",
+    "start": _KEYS,
+    "release": "press r",
+    "run": _RUN,
+}
+TILT: Final[Words] = {
+    **ANY,
+    "ask": _TILT,
+    "take": "tilt the hand to take it, then hold it level to arm",
+    "start": _TILT,
+}
+PAGE: Final[Words] = {
+    **ANY,
+    "hold_level": "hold the page's field without a tilt for {}",
+    "ask": _PAGE,
+    "take": "hold the page's field to take it, without a tilt to arm",
+    "start": _PAGE,
+    "release": "tap Release on the page",
+}
+SCRIPT: Final[Words] = {
+    **ANY,
+    "hold_level": _SCRIPT,
+    "ask": _SCRIPT,
+    "take": _SCRIPT,
+    "start": _SCRIPT,
+    "release": f"{_RUN.format(RESET_COMMAND)} and {_SCRIPT}",
+}
+ROS: Final[Words] = {
+    **ANY,
+    "hold_level": "publish zero speeds on cmd_vel for {}",
+    "ask": _ROS,
+    "take": _ROS,
+    "start": _ROS,
+}
+BY_OPERATOR: Final[Mapping[str, Words]] = {
+    "joystick": TILT,
+    "keyboard": KEYS,
+    "ros2": ROS,
+    "script": SCRIPT,
+    "web": PAGE,
+}
+"""Words of the hand that drives, by the name of its operator. Others read those of ANY."""
