@@ -18,6 +18,9 @@ from tests.support.process_robot import BRIEF, PATIENCE, SERVICES, ProcessRobot
 from tests.support.terminals import Screen, screen
 from tests.support.waiting import wait
 
+PIPE = 8192
+"""Bytes. In a smaller pipe a write would wait amid an object, of about 4 kB, and only its reader could end that."""
+
 
 def wait_for(shown: Screen, text: str, act: Callable[[], object]) -> None:
     """Do it again until that is shown: a busy machine has stopped the robot before it was."""
@@ -110,14 +113,14 @@ def test_a_full_disk_is_named_and_a_paused_reader_holds_nothing_up(robot: Proces
         assert process.wait(PATIENCE) == 1
         assert process.stderr is not None
         assert process.stderr.read() == "giraff: cannot write to standard output: No space left on device\n"
-    with watching(robot, "--json", pipesize=4096) as process:  # takes one object
+    with watching(robot, "--json", pipesize=PIPE) as process:  # takes an object or two
         line = line_that(process, lambda line: '"base"' in line)
         assert process.stdout is not None
         pipe = process.stdout.fileno()
 
         def is_full() -> bool:
             [unread] = struct.unpack("i", fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)))
-            return int(unread) + len(line) > 4096
+            return int(unread) + len(line) > PIPE
 
         wait(is_full, PATIENCE, what="a pipe that takes no more")
         end(process, signal.SIGINT)
