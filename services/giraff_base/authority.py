@@ -28,12 +28,20 @@ class Authority:
     """Whose command counts, whether the robot is armed, and what stands against it."""
 
     def __init__(
-        self, live: Live[BaseConfig], estop: EStopControl, drive: Drive, *, battery_was_empty: bool = False
+        self,
+        live: Live[BaseConfig],
+        estop: EStopControl,
+        drive: Drive,
+        *,
+        battery_was_empty: bool = False,
+        lost_parameters: Trouble = WELL,
     ) -> None:
+        """`lost_parameters`: a saved limit that may be lost; nothing moves then."""
         self._live = live
         self._drive = drive
         self._estop = estop
         self._unchecked = live.config.drive.unchecked
+        self._lost_parameters = lost_parameters
         self.arming = Arming(live)
         self.binding = Binding(live, self.arming)
         self.battery = BatteryWatch(live, was_empty=battery_was_empty)
@@ -104,6 +112,7 @@ class Authority:
             self._estop.stops
             or (_CLOCK_WENT_BACK if clock_went_back else WELL)
             or self._unchecked
+            or self._lost_parameters
             or self.binding.intruder
             or self._drive.forbids
         )

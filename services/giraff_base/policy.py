@@ -66,7 +66,10 @@ class BasePolicy:
     because a frame is only as good as the board time it echoes. Between two of them a new command has one frame more.
     """
 
-    def __init__(self, live: Live[BaseConfig], robot: RobotConfig, latch: EStopLatch) -> None:
+    def __init__(
+        self, live: Live[BaseConfig], robot: RobotConfig, latch: EStopLatch, lost_parameters: Trouble = WELL
+    ) -> None:
+        """`lost_parameters`: a saved limit that may be lost; nothing moves then."""
         self._live = live
         self._kinematics = robot.kinematics
         self._drive = drive_of(robot, live.config)
@@ -74,7 +77,9 @@ class BasePolicy:
         if self._estop.latch.engaged:
             self._drive.hold(off=self._estop.latch.off)
         was_empty = self._estop.latch.engaged and self._estop.latch.empty
-        self._authority = Authority(live, self._estop, self._drive, battery_was_empty=was_empty)
+        self._authority = Authority(
+            live, self._estop, self._drive, battery_was_empty=was_empty, lost_parameters=lost_parameters
+        )
         self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False

@@ -31,7 +31,7 @@ class Base:
     def __init__(self, io: IO, config: BaseConfig, robot: RobotConfig, policy: type[BasePolicy] = BasePolicy) -> None:
         self._io = io
         self._epoch = io.token()
-        self._policy = policy(Live(config), robot, load_latch(io.store, io.token()))
+        self._policy = policy(Live(config), robot, load_latch(io.store, io.token()), io.lost_parameters)
         io.on_reconfigured = self._policy.on_reconfigured
         self._server = EStopServer(self._policy, LatchSaver(io.store.writer(LATCH_FILE)), io.instance)
         self.link = io.board(config.port, config.drive.board_type)

@@ -118,6 +118,8 @@ class IO(Protocol):
     """Another host of this network may speak in base's name."""
     on_reconfigured: Callable[[Any], None] | None
     """Takes the configuration between two turns whenever it has become another; None: no parameter changes live."""
+    lost_parameters: Trouble
+    """A saved limit that may be lost, since no parameter has its name. The robot then stands until a restart."""
 
     @property
     def store(self) -> Store: ...

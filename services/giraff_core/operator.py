@@ -178,6 +178,8 @@ class Hand(ABC):
 class OperatorIO(Protocol):
     """What an operator needs of its `IO`."""
 
+    lost_parameters: Trouble
+
     def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]: ...
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]: ...
     def set_notice(self, name: str, trouble: Trouble) -> None: ...
@@ -199,6 +201,7 @@ class OperatorService:
         self.timers: tuple[Timer, ...] = (self.timer,)
         self._last: RobotTime | None = None
         self._speaks = False
+        self._lost_parameters = io.lost_parameters
 
     def turn(self, now: float) -> None:
         if self._hand.read(now):  # before the ticks: what was pressed is of one that was heard before
@@ -230,6 +233,8 @@ class OperatorService:
         self._speaks = asked is not None
         if asked is None:
             return
+        if self._lost_parameters:
+            asked = Fault(self._lost_parameters, asked.tick, is_told=True)
         self._last = asked.tick
         self._commands.put(self._operator.say(asked))
         self.on_said(asked, now)

@@ -46,8 +46,10 @@ class GuardPolicy:
         self._floods = FloodWatch()
         self._types = robot.sensor_types
         self._replacements = 0  # how often `fault` has come to be
+        self.lost_parameters = WELL
+        """A saved limit that may be lost. Nothing passes then."""
         self.fault = WELL
-        """Two processes where one may be, as `decide` found it."""
+        """Two processes where one may be, as `decide` found it, or a lost limit."""
         self.flood = WELL
         """Whose commands flood the guard, as `decide` found it."""
         self._decided_ns = 0
@@ -97,7 +99,7 @@ class GuardPolicy:
         now = self._identity.now(robot_ns)
         authority = self._authority
         authority.review(now)
-        before, self.fault = self.fault, self._identity.fault(robot_ns)
+        before, self.fault = self.fault, self.lost_parameters or self._identity.fault(robot_ns)
         self._replacements += bool(self.fault) and not before
         self.flood = self._floods.look(robot_ns)
         self._obstacles.judge(now)

@@ -35,6 +35,7 @@ class Guard:
         self._io = io
         live = Live(config)
         self._policy = policy(live, robot, first_lease=io.token())
+        self._policy.lost_parameters = io.lost_parameters
         io.on_reconfigured = live.replace
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
         self._ticks, self._attitudes = io.inbox(TICK, wakes=False), io.inbox(ATTITUDE, wakes=False)
@@ -84,7 +85,7 @@ class Guard:
 
     def _tell_what_is_wrong(self) -> None:
         policy = self._policy
-        self._io.set_notice("identity", policy.fault)
+        self._io.set_notice("identity", WELL if policy.lost_parameters else policy.fault)
         self._io.set_notice("flood", policy.flood)
         for operator in policy.unranked:
             self._io.set_notice(f"rank of {operator}", unranked_notice(operator))

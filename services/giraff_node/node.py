@@ -153,6 +153,7 @@ class Node(Generic[ConfigT]):
         self._server = ParameterServer(service, self.instance, self.hostname, self._params, self.store, self.log.info)
         self._server.on_set = self._tell_set
         self.set_fault("params", self._server.fault)
+        self.lost_parameters = self._server.lost
         self.on_reconfigured: Callable[[Any], None] | None = None
         secured = network.mode == "secured" and not network.session_file
         self._keys = ExpiryWatch(Path(network.keys)) if secured else None

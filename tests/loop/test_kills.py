@@ -65,3 +65,18 @@ def test_without_odometry_driving_goes_on() -> None:
         loop.kill("odometry")
         loop.run(1.0)
         assert loop.newest["wheels"].left_pwm_counts == 70
+
+
+@pytest.mark.parametrize("service", ["base", "guard", "joystick"])
+def test_a_saved_limit_whose_name_nobody_knows_keeps_the_robot_from_moving(service: str) -> None:
+    """Somebody may have tightened what has another name since then."""
+    with closed_loop(proving_room()) as loop:
+        host = loop.processes[service].host
+        host.disk.files[f"params/{service}.json"] = b'{"its_former_name": 0.1}'
+        loop.kill(service)
+        loop.start(service)
+        loop.run(1.6)
+        hold(loop, x=FULL_TILT)
+        loop.run(0.3)
+        assert loop.simulation.record.verdict(0, loop.simulation.now_us).driven_ms == 0
+        assert "its_former_name" in str(loop.newest["base"].reason)

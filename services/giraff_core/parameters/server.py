@@ -41,6 +41,8 @@ class ParameterServer(Generic[ConfigT]):
     ) -> None:
         self.fault = WELL
         """What of the saved parameters does not count."""
+        self.lost = WELL
+        """The same where no parameter has the name of a saved one: a limit that somebody tightened may be lost."""
         self.on_set: Callable[[ParamAnswer], object] = lambda _: None
         """Is told of each parameter that was set, before the service goes by it."""
         self._service, self._instance, self._host = service, instance, host
@@ -128,7 +130,9 @@ class ParameterServer(Generic[ConfigT]):
         if self._params.saved:
             self._log("as saved in %s, not as in the robot file: %s", self._file, self._params.saved)
         if ignored:
-            self.fault = Trouble(f"{self._file}: {'; '.join(ignored)}", "save again, or remove the file")
+            restart = f"save again, or remove the file, and restart giraff_{self._service}"
+            self.fault = Trouble(f"{self._file}: {'; '.join(ignored)}", restart)
+            self.lost = self.fault if self._params.unknown else WELL
         else:
             self._on_disk = self._params.saved
 

@@ -42,6 +42,8 @@ class Parameters(Generic[ConfigT]):
         """What is in force."""
         self.saved: dict[str, Any] = {}
         """What is kept over restarts, by field."""
+        self.unknown: tuple[str, ...] = ()
+        """Names of saved values that no parameter has any more."""
         self._service = service
         self._filed = filed
         # Read from their source now: the turn that answers a question is one that stops motors, too.
@@ -58,6 +60,7 @@ class Parameters(Generic[ConfigT]):
 
     def restore(self, saved: Mapping[str, Any]) -> list[str]:
         """Put in force what was saved, as far as it may be; what of it is not, and why."""
+        self.unknown = tuple(saved.keys() - self._live.keys() - self._documented.keys())
         never = [self._never_saved(name) for name in saved if self._live.get(name) is Tuning.CHECKED]
         saved = {name: value for name, value in saved.items() if self._live.get(name) is not Tuning.CHECKED}
         try:

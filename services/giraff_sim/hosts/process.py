@@ -31,7 +31,7 @@ from giraff_schemas.topics import (
     SampleT,
     Topic,
 )
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import Frame
 from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.disk import ProcessStore
@@ -98,6 +98,7 @@ class Process:
         self._service: Service | None = None
         self._leaves = False
         self._answer_for_params: Callable[[], None] = lambda: None
+        self.lost_parameters = WELL
         self._random = Random(f"{loop.simulation.world.seed}/{instance}")
         self._waiting: list[tuple[Subscription, Message]] = []
         self._sequences: dict[str, int] = defaultdict(int)
@@ -168,6 +169,7 @@ class Process:
             self.requests(PARAM_SET.at(service)),
             self.requests(PARAM_SAVE.at(service)),
         )
+        self.lost_parameters = server.lost
         self._answer_for_params = lambda: server.turn(describes, sets, saves, self.on_reconfigured)
         return params.config
 

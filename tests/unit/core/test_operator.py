@@ -118,6 +118,7 @@ class Room:
         self.inboxes: dict[str, Inbox[Any]] = {}
         self.told: dict[str, Trouble] = {}
         self.said: list[DriveCommand] = []
+        self.lost_parameters = WELL
 
     def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:
         del wakes
