@@ -19,7 +19,7 @@ _RUN: Final = "run `{}`"
 _SCRIPT: Final = "call robot.arm()"
 _KEYS: Final = "press an arrow key or c to ask, then let go of all keys to arm"
 _TILT: Final = "tilt the hand to ask, then hold it level to arm"
-_PAGE: Final = "hold the page's field to ask, without a tilt to arm"
+_PAGE: Final = "begin to drive on the page, which says how to arm"
 _ROS: Final = "publish a speed on cmd_vel to ask, then zero speeds to arm"
 
 ANY: Final[Words] = {
@@ -27,7 +27,7 @@ ANY: Final[Words] = {
     "ask": "tilt or press a key to ask, then hold level with no key pressed to arm",
     "take": "tilt or press a drive key to take it, then hold level with no key pressed to arm",
     "start": "start giraff drive or giraff_joystick",
-    "release": _RUN.format(RESET_COMMAND),
+    "release": f"{_RUN.format(RESET_COMMAND)} to release it",
     "run": _RUN,
 }
 """For a reader of whom nobody knows with what he drives."""
@@ -36,7 +36,7 @@ KEYS: Final[Words] = {
     "ask": _KEYS,
     "take": "press an arrow key to take it, then let go of all keys to arm",
     "start": _KEYS,
-    "release": "press r",
+    "release": "press r to release it",
     "run": _RUN,
 }
 TILT: Final[Words] = {
@@ -47,9 +47,9 @@ TILT: Final[Words] = {
 }
 PAGE: Final[Words] = {
     **ANY,
-    "hold_level": "hold the page's field without a tilt for {}",
+    "hold_level": "hold the page's control still for {}",
     "ask": _PAGE,
-    "take": "hold the page's field to take it, without a tilt to arm",
+    "take": "begin to drive on the page to take it; the page says how to arm",
     "start": _PAGE,
     "release": "tap Release on the page",
 }
@@ -59,7 +59,7 @@ SCRIPT: Final[Words] = {
     "ask": _SCRIPT,
     "take": _SCRIPT,
     "start": _SCRIPT,
-    "release": f"{_RUN.format(RESET_COMMAND)} and {_SCRIPT}",
+    "release": f"{_RUN.format(RESET_COMMAND)} to release it, and {_SCRIPT}",
 }
 ROS: Final[Words] = {
     **ANY,

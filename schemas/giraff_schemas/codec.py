@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 import msgspec
 
+from giraff_schemas.format import FORMAT
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health
 from giraff_schemas.text import plain
-from giraff_schemas.topics import MOTION_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, SampleT, Topic
+from giraff_schemas.topics import MOTION_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, Query, RequestT, SampleT, Topic
 
 
 class DecodeError(ValueError):
@@ -18,6 +20,7 @@ class DecodeError(ValueError):
 
 
 _encoder = msgspec.msgpack.Encoder()
+_FORMAT: Final = re.compile(r";giraff\.([0-9]+)\.")
 
 
 def stamped(sample: SampleT, seq: int, stamp_ns: int, instance: str) -> SampleT:
@@ -35,19 +38,32 @@ def encode(message: msgspec.Struct) -> bytes:
 
 
 def encoding_of(type_: type[msgspec.Struct]) -> str:
-    """The encoding that travels with each sample: media type; schema."""
-    return f"application/msgpack;giraff.{type_.__name__}"
+    """Return the encoding that travels with each message: media type; format and schema."""
+    return f"application/msgpack;giraff.{FORMAT}.{type_.__name__}"
+
+
+def require_encoding(key: str, type_: type[msgspec.Struct], encoding: str | None) -> None:
+    """Raise DecodeError where an encoding of ours names another format or schema than `type_` has here.
+
+    Names of fields differ between two formats, and a field that is left out may have a default: so none is read.
+    """
+    if encoding is None or ";giraff." not in encoding or encoding == encoding_of(type_):
+        return
+    told = f"{key}: carries {encoding!r} where {encoding_of(type_)!r} belongs"
+    named = _FORMAT.search(encoding)
+    if named is None or int(named[1]) != FORMAT:
+        told += "; install the same version on all machines, and restart the services"
+    raise DecodeError(told)
 
 
 def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None = None) -> SampleT:
     """A sample of `topic` that arrived on `key`; DecodeError if it is none.
 
-    `encoding`, when given and ours, must name the topic's schema.
+    `encoding`, when given and ours, must name this format and the topic's schema.
     """
     if "*" in key:  # Zenoh lets one sample go to many keys at once, whatever each of them carries
         raise DecodeError(f"{key}: a sample goes to one key")
-    if encoding is not None and ";giraff." in encoding and encoding != encoding_of(topic.schema):
-        raise DecodeError(f"{key}: carries {encoding!r} where {encoding_of(topic.schema)!r} belongs")
+    require_encoding(key, topic.schema, encoding)
     try:
         sample: SampleT = _decoder(topic.schema).decode(payload)
     except msgspec.ValidationError as error:
@@ -59,6 +75,21 @@ def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None
     if topic.names and (said := getattr(sample, topic.names)) != topic.name_in(key):
         raise DecodeError(f"{key}: says {said!r} as its `{topic.names}`, which its key does not")
     return sample
+
+
+def decode_request(query: Query[RequestT, Any], key: str, payload: bytes, encoding: str | None) -> RequestT:
+    """Return what is asked on `key`. Raise DecodeError where it cannot be read, and the query does not say instead."""
+    try:
+        require_encoding(key, query.request, encoding)
+        try:
+            request: RequestT = _decoder(query.request).decode(payload)
+        except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+            raise DecodeError(f"not a {query.request.__name__}: {plain(error)}") from error
+    except DecodeError:
+        if query.unreadable is None:
+            raise
+        return query.unreadable
+    return request
 
 
 @cache

@@ -17,6 +17,15 @@ class WebPage(msgspec.Struct, frozen=True, kw_only=True):
     """SHA-256 of its certificate in DER, in hexadecimal digits."""
 
 
+class _Header(msgspec.Struct, frozen=True, kw_only=True):
+    """Fields of an answer of any version."""
+
+    service: str
+    instance: str
+    host: str
+    version: str
+
+
 class Health(msgspec.Struct, frozen=True, kw_only=True):
     """Answer of a service's health query. It judges the service: not its links, nor who drives."""
 
@@ -48,3 +57,13 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """Wall clock of its host when it answered, ns since 1970."""
     page: WebPage | None = None
     """Of giraff_web; None for every other service."""
+
+
+def other_health(payload: bytes) -> Health | None:
+    """Return who gave an answer that only another version reads whole. None: it is no answer about health."""
+    try:
+        told = msgspec.msgpack.decode(payload, type=_Header)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return None
+    fault = Trouble(f"it is of version {told.version}", "install the same version on all machines, and restart")
+    return Health(**msgspec.structs.asdict(told), pid=0, uptime=0.0, ok=False, faults=(fault,))

@@ -22,6 +22,12 @@ class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
     reset."""
 
 
+UNREADABLE_STOP = EStopEngage(
+    by="somebody of another version", reason=Trouble("a request that cannot be read", "see who asks for a stop")
+)
+"""Stop that base makes of a request that it cannot read: a stop is not refused for its form."""
+
+
 class EStopReset(msgspec.Struct, frozen=True, kw_only=True):
     """Asks base to clear one latch. It permits motion and never causes it."""
 

@@ -61,6 +61,8 @@ class Query(msgspec.Struct, Generic[RequestT, AnswerT], frozen=True):
     key: str
     request: type[RequestT]
     answer: type[AnswerT]
+    unreadable: RequestT | None = None
+    """Request that one which cannot be read stands for. None: it is refused."""
 
     def at(self, service: str) -> Query[RequestT, AnswerT]:
         """The row of one service."""
@@ -129,7 +131,7 @@ TOPICS: tuple[Topic[Any], ...] = (
     SERIAL_WRITE,
 )
 
-ESTOP_ENGAGE = Query("estop/engage", r.EStopEngage, r.EStopAnswer)
+ESTOP_ENGAGE = Query("estop/engage", r.EStopEngage, r.EStopAnswer, r.UNREADABLE_STOP)
 ESTOP_RESET = Query("estop/reset", r.EStopReset, r.EStopAnswer)
 
 ODOM_RESET = Query("odom/reset", r.OdomReset, r.OdomAnswer)

@@ -33,9 +33,9 @@ class Trouble(msgspec.Struct, frozen=True):
     def to_do(self, words: Words) -> str:
         """Return remedy and action, in the words of one screen; empty: nobody knows what to do."""
         steps = [self.remedy]
-        if self.action == "release" and self.argument:
+        if self.argument and self.action in {"run", "release"}:
             steps.append(words["run"].format(self.argument))
-        if self.action:
+        if self.action and self.action != "run":
             steps.append(words[self.action].format(self.argument or "a moment"))
         return ", then ".join(filter(None, steps))
 

@@ -10,7 +10,7 @@ from giraff_core.estop.latch import RELEASED, SEE_THAT_IT_MAY, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.text import brief, printable
+from giraff_schemas.text import brief
 from giraff_schemas.trouble import WELL, Trouble
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
@@ -24,11 +24,10 @@ class EStopControl:
     def __init__(self, latch: EStopLatch, reset_budget: float, *, knows_off: bool) -> None:
         """`knows_off`: of the drive. Without it, nothing is off, and no one is told that it is."""
         # Somebody may have edited the file.
-        by, why = printable(latch.by), latch.reason
-        reason = Trouble(printable(why.what), printable(why.remedy), why.action, printable(why.argument))
         off = latch.engaged and latch.off and knows_off
         empty = latch.engaged and latch.empty
-        self.latch = msgspec.structs.replace(latch, by=by, reason=reason, off=off, empty=empty)
+        reason = _to_release(latch.reason) if latch.engaged else WELL
+        self.latch = msgspec.structs.replace(latch, by=brief(latch.by), reason=reason, off=off, empty=empty)
         self._knows_off = knows_off
         self._reset_budget = reset_budget
         self._engaged_ns = 0
@@ -49,10 +48,7 @@ class EStopControl:
         battery was `empty`.
         """
         self._engaged_ns = now.robot_ns
-        by, why = brief(asked.by), asked.reason
-        command = brief(why.argument) if why.action == "run" else ""
-        remedy = brief(why.remedy) or SEE_THAT_IT_MAY
-        reason = Trouble(brief(why.what) or "no reason was given", remedy, "release", command)
+        by, reason = brief(asked.by), _to_release(asked.reason)
         off = self.latch.off or (asked.off and self._knows_off)
         empty = self.latch.empty or empty
         latch = EStopLatch(engaged=True, id=self.latch.id, by=by, reason=reason, off=off, empty=empty)
@@ -102,3 +98,11 @@ class EStopControl:
                 off=latch.off,
             )
         return sample
+
+
+def _to_release(cause: Trouble) -> Trouble:
+    """Return the cause of a stop with the way to release it, whatever somebody wrote into request or file."""
+    command = brief(cause.argument) if cause.action in {"run", "release"} else ""
+    return Trouble(
+        brief(cause.what) or "no reason was given", brief(cause.remedy) or SEE_THAT_IT_MAY, "release", command
+    )

@@ -69,12 +69,19 @@ def _unwell(service: str, answer: bytes) -> int:
     import json  # noqa: PLC0415  each service imports this module for the path alone
 
     try:
-        faults = ["; ".join(filter(None, (each["what"], each["remedy"]))) for each in json.loads(answer)["faults"]]
+        faults = list(map(_line, json.loads(answer)["faults"]))
     except (ValueError, KeyError, TypeError, RecursionError):
         print(f"{service}: not an answer of a service of this version: {answer[:200]!r}")
         return 2
     print("\n".join(faults or [f"{service} is not well and does not say why"]))
     return 1
+
+
+def _line(fault: dict[str, str]) -> str:
+    """Return a fault as `giraff_schemas.trouble` does. Nothing is imported here that a service has not."""
+    command = f"run `{fault['argument']}`" if fault["action"] == "run" else ""
+    remedy = ", then ".join(filter(None, (fault["remedy"], command)))
+    return "; ".join(filter(None, (fault["what"], remedy)))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from rich.console import Console, ConsoleOptions, Group, RenderableType
 from rich.text import Text
 
 from giraff_core.latest import FRESH
-from giraff_keyboard.reset_request import release_question
+from giraff_keyboard.reset_request import before_release, release_question
 from giraff_schemas.actions import KEYS
 from giraff_schemas.text import printable
 from giraff_schemas.trouble import Trouble
@@ -135,8 +135,8 @@ class DrivePicture:
         seen = self.snapshot.estop
         estop = seen.sample if seen is not None and seen.fresh else None
         if estop is not None and estop.engaged and self.stop != release_question(estop):
-            told = msgspec.structs.replace(self.stop, action="") or Trouble("OFF" if estop.off else "ENGAGED")
-            return f"{told}. By {estop.by}: {estop.reason.line(KEYS)}", _ALARM
+            told = self.stop or Trouble("OFF" if estop.off else "ENGAGED", "r releases it")
+            return f"{msgspec.structs.replace(told, action='')}. {before_release('By', estop)}", _ALARM
         if self.stop:
             return self.stop.line(KEYS), _ALARM
         if estop is None:

@@ -22,11 +22,16 @@ ASKS_FOR: Final = 5.0
 _NOT_ENGAGED: Final = Trouble("Nothing to release: the emergency stop is not engaged")
 
 
-def release_question(latch: EStop) -> Trouble:
-    """Return the question to the person, with what is to be done before a yes."""
+def before_release(head: str, latch: EStop) -> Trouble:
+    """Return who has stopped the robot and why, with what is to be done before a release."""
     command = latch.reason.argument
-    what = f"RELEASE? y: yes, any other key: no. It is the stop by {latch.by}: {latch.reason.what}"
+    what = f"{head} {latch.by}: {latch.reason.what}"
     return Trouble(what, latch.reason.remedy, "run" if command else "", command)
+
+
+def release_question(latch: EStop) -> Trouble:
+    """Return the question to the person."""
+    return before_release("RELEASE? y: yes, any other key: no. It is the stop by", latch)
 
 
 class _Question(NamedTuple):

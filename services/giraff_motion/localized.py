@@ -31,7 +31,9 @@ _MOST_TURN: Final = math.radians(10.0)
 _OTHERWISE: Final = "or give the point in odom"
 _NEVER: Final = Trouble("no pose on the map is heard", f"start giraff_localization, {_OTHERWISE}")
 _SILENT: Final = Trouble("no pose on the map is heard any more", f"check giraff_localization, {_OTHERWISE}")
-_TWO: Final = Trouble("two processes say where the robot is on the map", "stop one of them", "run", "giraff node list")
+_TWO: Final = Trouble(
+    "two processes say where the robot is on the map", "see both with `giraff node list`, and stop one of them"
+)
 _OLD: Final = Trouble(
     "the pose on the map is from before this start of base or odometry, or old", "wait for localization"
 )

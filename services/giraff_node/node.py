@@ -17,7 +17,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Generic, Self
 
-import msgspec
 import zenoh
 
 from giraff_core.inbox import MOST_REQUESTS, Inbox
@@ -38,12 +37,11 @@ from giraff_node.network.subscription import PolledInbox, Reader
 from giraff_node.process.clock import robot_now_ns
 from giraff_node.process.lifecycle import Process
 from giraff_node.process.state import Folder, state_directory
-from giraff_schemas.codec import encode, encoding_of, stamped
+from giraff_schemas.codec import DecodeError, decode_request, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health, WebPage
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.services import BASE, DOOR, GUARD, SERVICES
-from giraff_schemas.text import plain
 from giraff_schemas.topics import (
     PARAM_DESCRIBE,
     PARAM_SAVE,
@@ -256,20 +254,20 @@ class Node(Generic[ConfigT]):
         self, query: Query[RequestT, AnswerT], wake: Callable[[], None]
     ) -> Inbox[PendingQuery[RequestT, AnswerT]]:
         inbox: Inbox[PendingQuery[RequestT, AnswerT]] = Inbox(MOST_REQUESTS)
-        decoder = msgspec.msgpack.Decoder(query.request)
+        key = key_of(self.robot.name, query)
 
         def on_query(asked: zenoh.Query) -> None:
             try:
-                request = decoder.decode(bytes(asked.payload or b""))
-            except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+                request = decode_request(query, key, bytes(asked.payload or b""), str(asked.encoding))
+            except DecodeError as error:
                 with asked:
-                    asked.reply_err(f"not a {query.request.__name__}: {plain(error)}")
+                    asked.reply_err(str(error))
                 return
             inbox.accept(_Query(asked, request))
             wake()
 
         self._process.condition.answers.append(query.key)
-        self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
+        self._declared.append(self.session.declare_queryable(key, on_query))
         return inbox
 
     def frame(self, child: str, where: Transform | Callable[[], Transform | None]) -> None:

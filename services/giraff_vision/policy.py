@@ -111,7 +111,7 @@ class VisionPolicy:
         since_tick = picture.since_tick + (picture.exposure or 0.0) / 2.0
         if not 0.0 <= since_tick <= _MOST_LATE:
             what = f"a picture was exposed {since_tick:g} s after its tick, which no camera does"
-            raise PictureError(Trouble(what, "end what sends it", "run", "giraff camera list"))
+            raise PictureError(Trouble(what, "find its sender with `giraff camera list`, and end it"))
         odometer = self._odometer_for(grey)
         here = self._wheels.at(picture.tick, since_tick)
         if here is not None and _between(self._key_wheels, here) is None:

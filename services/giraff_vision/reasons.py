@@ -9,7 +9,9 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.trouble import Trouble
 
 FIRST: Final = Trouble("it is the first picture, or the first of this size", "wait for the next one")
-NO_FLOOR: Final = Trouble("no floor is in view", "turn the camera down", "run", "giraff calibrate camera")
+NO_FLOOR: Final = Trouble(
+    "no floor is in view", "turn the camera down, and measure how it stands", "run", "giraff calibrate camera"
+)
 DARK: Final = Trouble("too dark", "give the floor ahead more light")
 OVEREXPOSED: Final = Trouble("over-exposed", "take a lamp or the sun out of the camera's view, or let it expose less")
 COVERED: Final = Trouble("covered", "uncover the lens, and wipe it")

@@ -96,7 +96,9 @@ class Stops:
         """Somebody asks for the release of the latch that he was shown: he knows of each stop before."""
         self._log(f"{device} asks for the release of the emergency stop")
         if self.asked:
-            self._release.outcome = Trouble("STILL STOPPED: a stop was not confirmed yet", action="release")
+            self._release.outcome = Trouble(
+                "STILL STOPPED: a stop was not confirmed yet", "wait until it is", "release"
+            )
             return
         self._stands_since = None
         self._release.ask(self._ask_reset(asked), now)

@@ -135,7 +135,7 @@ def test_an_emergency_stop_from_the_desk_outlives_the_power_and_needs_no_network
     lab.power_on("robot", cable=False)
     try:
         with keyboard(lab) as shown:
-            shown.wait_for("ENGAGED. By ", PATIENCE)
+            shown.wait_for("ENGAGED; r releases it. By ", PATIENCE)
             for _ in range(2):
                 hold(lab, shown)
             assert boards.last_driven(on_us) is None

@@ -18,7 +18,7 @@ TAKES_APART: Final = {
     *("removeprefix", "removesuffix", "search", "match", "fullmatch", "findall", "finditer"),
 }
 _WORD, _METHOD = f"({'|'.join(SAYS)}|what)", f"({'|'.join(TAKES_APART)})"
-MAY_BE: Final = re.compile(rf"\b{_WORD}\b.*(\.{_METHOD}\(| [=!]= )|(\.{_METHOD}\(| in ).*\b{_WORD}\b")
+MAY_BE: Final = re.compile(rf"\b{_WORD}\b.*(\.{_METHOD}\(| [=!]= )|(\.{_METHOD}\(| in | [=!]= ).*\b{_WORD}\b")
 """A file without such a line needs no syntax tree."""
 _OF_A_PAGE: Final = "(replace|replaceAll|match|matchAll|includes|startsWith|endsWith|indexOf|search|split)"
 IN_A_PAGE: Final = re.compile(rf"\b{_WORD}\.{_OF_A_PAGE}\(|\.{_OF_A_PAGE}\([\w.?]*\b{_WORD}\)")
@@ -38,8 +38,9 @@ def taken_apart(source: str) -> Iterator[str]:
                 found = "structs" not in ast.unparse(whole) and any(map(is_said, (whole, *args)))
             case ast.Compare(ops=[ast.In() | ast.NotIn()], comparators=[whole]):
                 found = isinstance(whole, ast.Name | ast.Attribute | ast.Call) and is_said(whole)
-            case ast.Compare(left=ast.Attribute(attr="what" | "remedy"), comparators=[other]):
-                found = isinstance(other, ast.Constant | ast.Attribute)
+            case ast.Compare(left=one, ops=[ast.Eq() | ast.NotEq()], comparators=[other]):
+                texts = [each for each in (one, other) if getattr(each, "attr", "") in {"what", "remedy"}]
+                found = bool(texts) and not isinstance(one, ast.Name) and not isinstance(other, ast.Name)
             case _:
                 continue
         if found:
@@ -65,6 +66,7 @@ def test_no_program_takes_a_sentence_apart() -> None:
         're.search("x", why)',
         "state.reason.what == IDLE.what",
         'reason.what == "idle"',
+        '"idle" != reason.what',
     ],
 )
 def test_each_way_to_take_one_apart_is_found(line: str) -> None:

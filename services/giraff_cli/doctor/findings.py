@@ -19,6 +19,7 @@ from giraff_cli.doctor.inspection import (
     as_lines,
 )
 from giraff_cli.network.interfaces import no_network
+from giraff_cli.network.versions import version_trouble
 from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
@@ -282,13 +283,8 @@ def _of_clocks(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[F
 
 
 def _of_versions(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[Finding]:
-    by_version = {machine.version: {f"{machine.host} (this command)"}}
-    for answer in answers:
-        by_version.setdefault(answer.health.version, set()).add(f"{answer.health.host} ({answer.health.service})")
-    if len(by_version) > 1:
-        told = "; ".join(f"{running} on {', '.join(sorted(where))}" for running, where in by_version.items())
-        fix = "install the same version on all machines, and restart the services"
-        yield Finding(severity="fault", about="version", what=f"versions differ: {told}", fix=fix)
+    if trouble := version_trouble(machine.host, machine.version, (answer.health for answer in answers)):
+        yield _told("fault", "version", trouble)
 
 
 def _of_geometries(robot: Robot, machine: Machine) -> Iterator[Finding]:

@@ -8,7 +8,7 @@ import msgspec
 
 from giraff_cli.why.observation import Observation
 from giraff_core.latest import Latest
-from giraff_schemas.actions import ANY, BY_OPERATOR
+from giraff_schemas.actions import ANY, BY_OPERATOR, Words
 from giraff_schemas.messages import DriveCommand, Lease, Tilt, Verdict
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
 from giraff_schemas.trouble import Trouble
@@ -47,8 +47,8 @@ class ChainState:
         self.estop = next((heard for heard in observation.of(ESTOP) if heard.sample.engaged), observation.newest(ESTOP))
         self.operator = _in_charge(observation.of(OPERATOR_CMD_VEL), self.lease)
         self.tilt = self._tilt()
-        self.words = ANY if self.operator is None else BY_OPERATOR.get(self.operator.sample.operator, ANY)
-        """Words of the hand that drives."""
+        self.words = self._words(observation.of(OPERATOR_CMD_VEL))
+        """Words of the hand that drives, or of the only one that is there; of a shell, for the release."""
 
     @property
     def wants_to_move(self) -> bool:
@@ -107,8 +107,16 @@ class ChainState:
             why = "is on the network and has not answered yet; ask again"
         else:
             well = "answers that it is well, and sends nothing; ask again in a few seconds, then restart it"
+            if theirs := {each for each in self.observation.versions(service) if each != self.observation.version}:
+                well = f"is of version {', '.join(sorted(theirs))}, and this command of {self.observation.version}"
             why = self.tell(link, *self.observation.faults(service)) or well
         return Link(name=link, standing="STOPS", text=f"giraff_{service}: {why}")
+
+    def _words(self, commands: list[Latest[DriveCommand]]) -> Words:
+        holder = self.lease.sample.holder if self.lease is not None else ""
+        names = {heard.sample.operator for heard in commands if not holder or heard.sample.instance == holder}
+        name = names.pop() if len(names) == 1 else ""
+        return {**BY_OPERATOR.get(name, ANY), "release": ANY["release"]}
 
     def _tilt(self) -> Latest[Tilt] | None:
         """The hand behind the operator in charge, where it is one that tilts."""

@@ -6,6 +6,7 @@ from typing import Final
 
 import msgspec
 
+from giraff_cli.network.versions import version_trouble
 from giraff_cli.why import checks as links
 from giraff_cli.why.chain import ChainState, Link
 from giraff_cli.why.observation import Observation
@@ -42,6 +43,8 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     links: tuple[Link, ...]
     cameras: tuple[str, ...] = ()
     """Who sees what the robot's cameras see, a line each that is on. It stops nothing."""
+    versions: str = ""
+    """Which versions run where; empty: all are the one of this command. Hosts of two formats do not hear each other."""
 
 
 def diagnose(observation: Observation) -> Diagnosis:
@@ -58,6 +61,7 @@ def diagnose(observation: Observation) -> Diagnosis:
         stopped_by=broken[0].name if broken else "",
         conclusion=_conclude(chain, broken, drives),
         links=chain,
+        versions=str(version_trouble(observation.host, observation.version, observation.health)),
         cameras=tuple(text for seen in observation.of(CAMERA_STATE) if (text := seen_text(seen.sample))),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import time
 from collections import deque
 from typing import Final
@@ -19,8 +20,10 @@ from giraff_node import robot_now_ns
 from giraff_node.network.discovery import not_found_text
 from giraff_node.network.replies import ask_all
 from giraff_node.network.tokens import list_robots
+from giraff_node.process.version import version
 from giraff_schemas.health import Health
 from giraff_schemas.services import BASE, GUARD, HANDS, RANGER
+from giraff_schemas.text import printable
 from giraff_schemas.topics import health_key
 
 _DRIVES: Final = 0
@@ -57,7 +60,7 @@ def explain(connection: RobotConnection, seconds: float, *, as_json: bool) -> in
 
 def listen(connection: RobotConnection, seconds: float) -> Observation:
     """Return what is heard within `seconds` of the first word. A service that does not answer is waited for longer."""
-    observation = Observation(connection.robot)
+    observation = Observation(connection.robot, socket.gethostname(), version())
     connection.subscribe_all()
     first_by = time.monotonic() + _FIRST_WITHIN
     while observation.empty and time.monotonic() < first_by:
@@ -101,7 +104,9 @@ def _show(diagnosis: Diagnosis, unreadable: list[str]) -> None:
             for link in diagnosis.links
         ],
     )
-    for told in (*diagnosis.cameras, *(f"unreadable: {complaint}" for complaint in unreadable)):
+    versions = (diagnosis.versions,) if diagnosis.versions else ()
+    strange = () if versions else (f"unreadable: {complaint}" for complaint in unreadable)  # one line says it of all
+    for told in (*versions, *diagnosis.cameras, *strange):
         print_trimmed(Text(told, style="yellow"))
     style = "bold red" if diagnosis.stopped_by else "bold green"
-    print_trimmed(Text.assemble((f"{diagnosis.robot}: ", "bold"), (diagnosis.conclusion, style)))
+    print_trimmed(Text.assemble((f"{diagnosis.robot}: ", "bold"), (printable(diagnosis.conclusion), style)))

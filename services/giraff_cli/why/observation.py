@@ -18,9 +18,10 @@ _PERIODS: Final = 3.0
 class Observation(LatestSamples):
     """Samples, liveliness tokens and answers about health. Times are any one clock's ns."""
 
-    def __init__(self, robot: str) -> None:
+    def __init__(self, robot: str, host: str = "", version: str = "") -> None:
+        """`host`, `version`: of the command that listens."""
         super().__init__()
-        self.robot = robot
+        self.robot, self.host, self.version = robot, host, version
         self.health: list[Health] = []
         self.hung: frozenset[str] = frozenset()
         """Services that were asked by their own name and did not answer in time."""
@@ -53,6 +54,10 @@ class Observation(LatestSamples):
     def unanswered(self) -> frozenset[str]:
         """Services that are on the network and have not answered."""
         return self.alive - {health.service for health in self.health}
+
+    def versions(self, service: str) -> tuple[str, ...]:
+        """Return the versions of a service's processes; nothing without an answer."""
+        return tuple(health.version for health in self.health if health.service == service)
 
     def faults(self, service: str) -> tuple[Trouble, ...]:
         """Return what the processes of a service say is wrong, with them or elsewhere; nothing without an answer."""

@@ -18,7 +18,7 @@ from giraff_schemas.trouble import Trouble
 _ASIDE: Final = 0.10
 """m of difference between left and right from which one side counts as the freer one."""
 _UNMEASURED: Final = Trouble("deceleration has not been measured", "measure it, and set it in [guard]")
-_SPEEDS_UP: Final = Trouble("this way was blocked until just now", "wait: it speeds up")
+_SPEEDS_UP: Final = Trouble("this way was blocked until just now", "wait, it speeds up by itself")
 
 
 class UltrasonicWay:

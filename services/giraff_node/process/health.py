@@ -71,7 +71,7 @@ class HealthState:
     def _set(self, told: dict[str, Trouble], name: str, trouble: Trouble) -> None:
         if told.get(name, WELL) == trouble:
             return
-        trouble = Trouble(_text(trouble.what), _text(trouble.remedy))
+        trouble = Trouble(_text(trouble.what), _text(trouble.remedy), trouble.action, _text(trouble.argument))
         about = {"about": name.partition(" ")[0]}  # a few words: keys and operators, which strangers invent, come after
         if told.get(name, WELL) == trouble:
             return

@@ -49,6 +49,7 @@ const DRIVERS = {
   keyboard: "The keyboard",
   motion: "A motion that somebody asked for",
   ros2: "A ROS 2 program",
+  script: "A script",
   web: "Another page",
 };
 /** Words for another that drives, by the action that would take the robot from it. */

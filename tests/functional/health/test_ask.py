@@ -13,8 +13,10 @@ from giraff_schemas.health import Health
 from giraff_schemas.trouble import Trouble
 from tests.functional.health.answering import answering, check
 
+UNCHECKED = Trouble("the wiring is not checked", "lift the wheels", "run", "giraff check wheels")
 
-def line(*faults: str, notice: str = "") -> bytes:
+
+def line(*faults: Trouble, notice: str = "") -> bytes:
     """The answer of a service with these faults."""
     health = Health(
         service="base",
@@ -23,7 +25,7 @@ def line(*faults: str, notice: str = "") -> bytes:
         pid=7,
         uptime=1.5,
         ok=not faults,
-        faults=tuple(map(Trouble, faults)),
+        faults=faults,
         notices=(Trouble(notice),) if notice else (),
     )
     return msgspec.json.encode(health) + b"\n"
@@ -36,17 +38,18 @@ def test_a_well_service_is_0_with_the_whole_answer(tmp_path: Path) -> None:
 
 
 def test_an_unwell_one_is_1_with_a_line_a_fault(tmp_path: Path) -> None:
-    with answering(tmp_path, line("/dev/x: unplugged; plug it in", "the disk is full")):
-        assert check(tmp_path, "base") == (1, "/dev/x: unplugged; plug it in\nthe disk is full\n")
+    with answering(tmp_path, line(UNCHECKED, Trouble("the disk is full"))):
+        told = "the wiring is not checked; lift the wheels, then run `giraff check wheels`\nthe disk is full\n"
+        assert check(tmp_path, "base") == (1, told)
 
 
 def test_no_words_of_a_fault_make_a_service_well() -> None:
     assert WELL in line()
-    assert WELL not in line('"ok":true', WELL.decode(), '\\"ok":true')
+    assert WELL not in line(*map(Trouble, ('"ok":true', WELL.decode(), '\\"ok":true')))
 
 
 def test_an_answer_in_pieces_is_put_together(tmp_path: Path) -> None:
-    answer = line("a" * 5000)
+    answer = line(Trouble("a" * 5000))
     with answering(tmp_path, answer[:100], answer[100:]):
         assert check(tmp_path, "base") == (1, "a" * 5000 + "\n")
 

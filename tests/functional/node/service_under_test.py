@@ -12,7 +12,7 @@ import msgspec
 from giraff_node import Node, Timer
 from giraff_schemas.messages import Battery, Tick
 from giraff_schemas.requests import EStopAnswer
-from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK
+from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, ESTOP_RESET, TICK
 from giraff_schemas.trouble import Trouble
 
 
@@ -27,7 +27,7 @@ def main(role: str) -> None:
         inbox, newest = node.inbox(TICK), node.inbox(TICK, limit=1)
         if role == "fragile":
             node.subscribe(BATTERY, break_down)
-        requests = node.requests(ESTOP_ENGAGE)
+        requests, _ = node.requests(ESTOP_ENGAGE), node.requests(ESTOP_RESET)
         said = 0
         sequences: list[int] = []
         for now in node.turns(pace):

@@ -44,7 +44,7 @@ def test_a_battery_that_rests_is_not_charged(driven: Rig) -> None:
     assert driven.base.faults["battery"] == WELL
 
 
-EMPTY = "the battery is empty at 19.8 V; charge it to 22 V, then run `giraff estop reset`"
+EMPTY = "the battery is empty at 19.8 V; charge it to 22 V, then run `giraff estop reset` to release it"
 
 
 def emptied(latch: EStopLatch = RELEASED) -> Rig:

@@ -7,7 +7,7 @@ import pytest
 
 from giraff_base.estop import EStopControl, EStopLatch
 from giraff_core.estop.latch import SEE_THAT_IT_MAY
-from giraff_schemas.actions import ANY
+from giraff_schemas.actions import ANY, Action
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.trouble import Trouble
@@ -216,9 +216,17 @@ def test_what_others_write_into_the_latch_steers_no_terminal(rig: Rig) -> None:
     told = rig.base.estop()
     assert (told.by, str(told.reason)) == (PLAIN, f"{PLAIN}; {TO_RELEASE}")
     assert str(rig.base.reason).isprintable()
-    edited = EStopLatch(engaged=True, id=1, by=ODD, reason=Trouble(ODD, ODD, "release", ODD))
-    shown = EStopControl(edited, 1.0, knows_off=False).latch
-    assert (shown.by, shown.reason) == (PLAIN, Trouble(PLAIN, PLAIN, "release", PLAIN))
+    rows: tuple[tuple[Action, str], ...] = (
+        ("release", PLAIN),
+        ("run", PLAIN),
+        ("", ""),
+        ("hold_level", ""),
+        ("ask", ""),
+    )
+    for action, argument in rows:
+        edited = EStopLatch(engaged=True, id=1, by=ODD, reason=Trouble(ODD, ODD, action, ODD))
+        shown = EStopControl(edited, 1.0, knows_off=False).latch
+        assert (shown.by, shown.reason) == (PLAIN, Trouble(PLAIN, PLAIN, "release", argument)), action
     rig.base.on_reset(EStopReset(by=ODD, id=rig.base.latch.id, tick=rig.ago(0.0)), rig.now)
     assert (rig.base.latch.engaged, rig.base.latch.by) == (False, PLAIN)
 

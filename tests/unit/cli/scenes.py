@@ -95,12 +95,11 @@ class Scene:
         ]()
         return self
 
-    def complain(self, service: str, what: str) -> Scene:
+    def complain(self, service: str, what: str | Trouble) -> Scene:
         """A service that is there, and says what is wrong with it."""
         self.alive.add(service)
-        self.health.append(
-            Health(service=service, instance="0", host="h", pid=1, uptime=1.0, ok=False, faults=(Trouble(what),))
-        )
+        faults = (Trouble(what) if isinstance(what, str) else what,)
+        self.health.append(Health(service=service, instance="0", host="h", pid=1, uptime=1.0, ok=False, faults=faults))
         return self
 
     def hang(self, service: str, *topics: Topic[Any]) -> Scene:
@@ -296,7 +295,7 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
             .put(topics.LEASE, lease("", ""), "g")
         ),
         "e-stop",
-        "smoke; see that the robot may move, then run `giraff estop reset`, then hold the hand level",
+        "smoke; see that the robot may move, then run `giraff estop reset` to release it, then hold the hand level",
     ),
     "one of two bases stopped": (
         lambda s: s.put(topics.ESTOP, estop(engaged=True), "c"),

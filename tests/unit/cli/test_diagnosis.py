@@ -8,14 +8,15 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.why.diagnosis import LINKS
+from giraff_cli.why.diagnosis import LINKS, diagnose
 from giraff_cli.why.observation import Observation
 from giraff_core.lease import IDLE
 from giraff_schemas import topics
-from giraff_schemas.actions import TILT
+from giraff_schemas.actions import ANY, TILT
 from giraff_schemas.codec import stamped
-from giraff_schemas.trouble import WELL
-from tests.unit.cli.samples import MS, attitude, base, camera, lease, reading, verdict
+from giraff_schemas.health import other_health
+from giraff_schemas.trouble import WELL, Trouble
+from tests.unit.cli.samples import MS, attitude, base, camera, estop, lease, reading, verdict
 from tests.unit.cli.scenes import CAUSES, HAND, NOW, Scene, blocked, command, fault, state
 
 
@@ -186,3 +187,35 @@ def test_a_reading_s_name_is_the_sensor_s() -> None:
     chain = Scene().put(topics.RANGE, reading("rear", None, "clear"), "r", "rear")
     [ranger] = [link for link in chain.diagnosis().links if link.name == "ranger"]
     assert ranger.text == "front_left 1.50 m, front_right 1.50 m, rear clear"
+
+
+def test_two_versions_are_named_with_their_hosts() -> None:
+    """Of an answer that only another version reads whole, who gives it is known all the same."""
+    told = {"service": "base", "instance": "b", "host": "robot", "version": "0.2.0", "troubles": 7}
+    health = other_health(msgspec.msgpack.encode(told))
+    assert health is not None
+    assert [fault.what for fault in health.faults] == ["it is of version 0.2.0"]
+    observation = Observation("otto", "laptop", "0.1.0")
+    assert diagnose(observation).versions == ""
+    observation.health = [health]
+    assert diagnose(observation).versions.startswith(
+        "versions differ: 0.1.0 on laptop (this command); 0.2.0 on robot (base); install the same version"
+    )
+    assert other_health(b"\xc1") is None
+
+
+def test_wiring_that_nobody_has_checked_is_told_once_with_its_command() -> None:
+    unchecked = Trouble("the wiring is not checked", "lift the wheels", "run", "giraff check wheels")
+    chain = Scene().put(topics.BASE, base(armed=False, reason=unchecked), "b").complain("base", unchecked)
+    assert chain.diagnosis().conclusion == f"base: {unchecked}"
+
+
+def test_a_hand_is_spoken_to_in_its_words_where_it_drives_or_is_alone() -> None:
+    """The release is told as this command's reader can type it."""
+    idle = Scene().put(topics.LEASE, msgspec.structs.replace(lease("", ""), reason=IDLE), "g")
+    assert IDLE.to_do(TILT) in idle.diagnosis().conclusion
+    other = msgspec.structs.replace(command(), operator="web", instance="page")
+    idle.put(topics.OPERATOR_CMD_VEL, other, "page", "web")
+    assert IDLE.to_do(ANY) in idle.diagnosis().conclusion
+    idle.put(topics.LEASE, lease("page", "web"), "g").put(topics.ESTOP, estop(engaged=True), "b")
+    assert "then run `giraff estop reset` to release it, then hold the page" in idle.diagnosis().conclusion

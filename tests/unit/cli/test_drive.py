@@ -47,7 +47,7 @@ FROZEN = "front_right is frozen: it repeats one echo while the robot moves"
 BLOCKED = verdict(0.0, "blocked", "front_right", FROZEN, "check it, or look for slip, or turn left or back up")
 STOPPED = Trouble("emergency stop by ann@desk: smoke", action="release")
 CONFIRMED = Trouble("STOPPED: base has confirmed", action="release")
-SMOKE = "By ann@desk: smoke; see that the robot may move, then press r"
+SMOKE = "By ann@desk: smoke; see that the robot may move"
 STUCK = engaged_by(Latch.RIGHT_STUCK)
 KEYS_END = 9
 """The last row that tells the keys."""
@@ -148,7 +148,7 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
         {
             "ROBOT": "yours, not armed: see that it may move, then release the stop",
             "WHY": "the emergency stop, as below",
-            "STOP": "ENGAGED. By ann@desk: smoke",
+            "STOP": "ENGAGED; r releases it. By ann@desk: smoke",
         },
     ),
     "stopped, and another's": (
@@ -156,7 +156,7 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
         {
             "ROBOT": "stopped: see that it may move, then release the stop",
             "WHY": "the emergency stop, as below",
-            "STOP": "ENGAGED. By ann@desk: smoke",
+            "STOP": "ENGAGED; r releases it. By ann@desk: smoke",
         },
     ),
 }
@@ -224,7 +224,7 @@ def test_the_longest_reasons_are_whole_on_80_by_24(cause: Trouble) -> None:
     running = desk.picture
     desk.take(EStop(engaged=True, id=3, by=STUCK.by, reason=STUCK.reason))
     desk.stop = CONFIRMED
-    by_board = f"By the base board: {STUCK.reason.line(KEYS)}"
+    by_board = f"By the base board: {STUCK.reason}"
     for picture, told_of in (running, cause.line(KEYS)), (desk.picture, by_board):
         rows = drawn(picture)
         assert len(rows) == ROWS

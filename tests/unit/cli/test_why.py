@@ -9,6 +9,7 @@ import pytest
 import giraff_cli.why.explain as it
 from giraff_cli.why.chain import ChainState
 from giraff_core.network import NetworkConfig
+from giraff_node.process.version import version
 from giraff_schemas.codec import encode
 from giraff_schemas.health import Health
 from giraff_schemas.topics import alive_key, health_key
@@ -39,7 +40,14 @@ class Network(AskedRobot):
         def answer(_: bytes) -> tuple[float, bytes] | None:
             faults = tuple(map(Trouble, self.faults.get(service, ())))
             health = Health(
-                service=service, instance=service, host="h", pid=1, uptime=1.0, ok=not faults, faults=faults
+                service=service,
+                instance=service,
+                host="h",
+                pid=1,
+                uptime=1.0,
+                ok=not faults,
+                faults=faults,
+                version=version(),
             )
             return None if service in self.mute else (self.after.get(service, 0.02), encode(health))
 

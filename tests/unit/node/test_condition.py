@@ -9,18 +9,20 @@ from giraff_node.process.logs import service_logger
 from giraff_schemas.health import Health
 from giraff_schemas.trouble import WELL, Trouble
 
+NO_ROBOT = Trouble("no robot is heard", "start one", "run", "giraff run")
+
 
 def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
     condition = HealthState("base", "1", service_logger("base"))
     assert condition.summary == "well"
-    condition.set_notice("link", Trouble("no robot", "start one"))
+    condition.set_notice("link", NO_ROBOT)
     assert condition.health().ok
-    assert condition.health().notices == (Trouble("no robot", "start one"),)
+    assert condition.health().notices == (NO_ROBOT,)
     condition.set_fault("board", Trouble("unplugged"))
     condition.set_fault("disk", Trouble("full"))
     assert not condition.health().ok
     assert condition.health().faults == (Trouble("unplugged"), Trouble("full"))
-    assert condition.summary == "unplugged; full; no robot; start one"
+    assert condition.summary == f"unplugged; full; {NO_ROBOT}"
     condition.set_fault("board", WELL)
     condition.set_fault("disk", WELL)
     condition.set_notice("link", WELL)

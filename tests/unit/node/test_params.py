@@ -18,6 +18,7 @@ from giraff_core.parameters.table import MistypedError, ParamError, Parameters
 from giraff_core.tuning import Tuning
 from giraff_node.process.state import Folder
 from giraff_schemas.params import Param, ParamSave, ParamSet
+from giraff_schemas.trouble import WELL
 from tests.support.robots import BASE, ROBOT
 from tests.unit.node.asked import Asked
 
@@ -129,6 +130,18 @@ def test_what_was_saved_comes_again_unless_the_robot_file_is_tighter() -> None:
         "guard",
         "guard.fast",
     ]
+    assert params.unknown == ("gone",)
+
+
+@pytest.mark.parametrize(("saved", "lost"), [('{"margin": 0.1}', False), ('{"gone": 1, "noise": 9}', True)])
+def test_a_saved_name_that_nobody_knows_may_be_a_lost_limit(tmp_path: Path, saved: str, lost: bool) -> None:
+    (tmp_path / "params").mkdir()
+    (tmp_path / "params" / "guard.json").write_text(saved)
+    params = Parameters("guard", Config(margin=0.4), ROBOT)
+    server = ParameterServer("guard", "guard-1", "host", params, Folder(tmp_path), print)
+    assert server.fault
+    assert server.lost == (server.fault if lost else WELL)
+    assert server.fault.remedy == "save again, or remove the file, and restart giraff_guard"
 
 
 def test_only_what_is_not_the_robot_files_is_saved(params: Parameters[Config]) -> None:

@@ -16,10 +16,27 @@ from hypothesis import strategies as st
 from giraff_schemas import messages as m
 from giraff_schemas.bumper import Bump
 from giraff_schemas.camera import CameraHold
-from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
+from giraff_schemas.codec import DecodeError, decode, decode_request, encode, encoding_of, stamped
+from giraff_schemas.format import FORMAT
 from giraff_schemas.health import Health
 from giraff_schemas.motion import MotionHold
-from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, OPERATOR_CMD_VEL, RANGE, TICK, TILT, TOPICS, Topic
+from giraff_schemas.requests import UNREADABLE_STOP
+from giraff_schemas.topics import (
+    BASE,
+    BATTERY,
+    CMD_VEL,
+    ESTOP_ENGAGE,
+    MOTION_QUERIES,
+    OPERATOR_CMD_VEL,
+    PARAM_QUERIES,
+    QUERIES,
+    RANGE,
+    TICK,
+    TILT,
+    TOPICS,
+    Query,
+    Topic,
+)
 from tests.unit.schemas.samples import an_example, messages
 
 KEY = "giraff/sim-test/some/key"
@@ -82,22 +99,41 @@ def test_a_map_that_any_library_packs_is_a_sample() -> None:
         assert msgpack.unpackb(encode(sample)) == example, topic.key
 
 
-def test_the_encoding_names_the_schema() -> None:
-    assert encoding_of(m.Tick) == "application/msgpack;giraff.Tick"
-    assert encoding_of(m.GuardedCommand) == "application/msgpack;giraff.GuardedCommand"
+def test_the_encoding_names_format_and_schema() -> None:
+    assert encoding_of(m.Tick) == f"application/msgpack;giraff.{FORMAT}.Tick"
+    assert encoding_of(m.GuardedCommand) == f"application/msgpack;giraff.{FORMAT}.GuardedCommand"
 
 
-@pytest.mark.parametrize(
-    "encoding", [None, "", "application/msgpack", "zenoh/bytes", "application/msgpack;giraff.Tick"]
-)
+@pytest.mark.parametrize("encoding", [None, "", "application/msgpack", "zenoh/bytes", encoding_of(m.Tick)])
 def test_an_encoding_that_claims_nothing_else_is_read(encoding: str | None) -> None:
     assert decode(TICK, KEY, encode(TICK_SAMPLE), encoding) == TICK_SAMPLE
 
 
 def test_another_schema_in_the_encoding_is_refused_though_the_map_would_fit() -> None:
-    message = refusal(TICK, encode(TICK_SAMPLE), "application/msgpack;giraff.Tilt")
-    assert "giraff.Tilt" in message
-    assert "giraff.Tick" in message
+    message = refusal(TICK, encode(TICK_SAMPLE), encoding_of(m.Tilt))
+    assert f"carries '{encoding_of(m.Tilt)}' where '{encoding_of(m.Tick)}' belongs" in message
+    assert "install" not in message
+
+
+@pytest.mark.parametrize("other", ["Tick", f"{FORMAT - 1}.Tick", f"{FORMAT + 1}.Tick"])
+def test_another_format_is_refused_and_both_are_named(other: str) -> None:
+    """A field may have another name there, and what is left out may have a default."""
+    message = refusal(TICK, encode(TICK_SAMPLE), f"application/msgpack;giraff.{other}")
+    assert f"giraff.{other}' where '{encoding_of(m.Tick)}' belongs; install the same version on all mach" in message
+
+
+@pytest.mark.parametrize("query", [*QUERIES, *MOTION_QUERIES, *PARAM_QUERIES], ids=lambda query: query.key)
+@pytest.mark.parametrize("payload", [b"", b"\xc1", b"\x91" * 5000, None], ids=lambda payload: str(payload)[:9])
+def test_a_request_that_cannot_be_read_is_refused_but_a_stop_is_a_stop(
+    query: Query[Any, Any], payload: bytes | None
+) -> None:
+    """`None`: it could be read, and is of another format."""
+    encoding = None if payload is not None else f"application/msgpack;giraff.{FORMAT + 1}.{query.request.__name__}"
+    if query is ESTOP_ENGAGE:
+        assert decode_request(query, KEY, payload or b"\x80", encoding) == UNREADABLE_STOP
+        return
+    with pytest.raises(DecodeError, match=query.request.__name__):
+        decode_request(query, KEY, b"\x80" if payload is None else payload, encoding)
 
 
 def required_fields() -> list[tuple[Topic[Any], str]]:

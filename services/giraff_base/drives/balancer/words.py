@@ -29,9 +29,7 @@ HELD: Final = Trouble("something held it", "clear the way")
 NEW_GAINS: Final = Trouble("it stops before it takes other gains")
 ONLY_STANDS: Final = Trouble(
     "it stands and does not drive: with these gains it would stop too late",
-    "lower max_wheel_speed or take other gains",
-    "run",
-    "giraff tune balance",
+    "lower max_wheel_speed, or take the gains that `giraff tune balance` computes",
 )
 AT_LIMIT: Final = Trouble("at its limit: it needs its whole torque to stay up")
 GETS_UP: Final = Trouble("the robot gets up")
