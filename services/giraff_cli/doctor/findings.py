@@ -60,7 +60,8 @@ def findings(look: Inspection) -> list[Finding]:
         found += _of_silence(look)
     else:
         found += [*_of_services(look.robot, look.network), *_of_answers(look.robot, look.machine)]
-        found += [*_of_geometries(look.robot, look.machine), *_of_rates(look.robot), *_of_state(look.robot)]
+        found += [*_of_geometries(look.robot, look.machine), *_of_rates(look.robot, look.machine)]
+        found += _of_state(look.robot)
     order = ("fault", "warning", "note")
     return sorted(dict.fromkeys(found), key=lambda each: order.index(each.severity))
 
@@ -339,12 +340,13 @@ def _shown(geometry: Geometry, field: str) -> str:
     return f"{value:.6g}"
 
 
-def _of_rates(robot: Robot) -> Iterator[Finding]:
-    """Of services that say they are well: what is wrong with others is told already."""
+def _of_rates(robot: Robot, machine: Machine) -> Iterator[Finding]:
+    """Yield those of services of this version that say they are well: what is wrong with others is told already."""
     unwell = {answer.health.service for answer in robot.answers if not answer.health.ok}
     if BASE.name in unwell or not robot.services.get(BASE.name):
         unwell |= {ODOMETRY.name}  # it lives by base's wheels
-    well = {answer.health.service for answer in robot.answers} - unwell
+    healths = (answer.health for answer in robot.answers)
+    well = {health.service for health in healths if health.version == machine.version} - unwell
     for rate in robot.rates:
         if rate.maker in well and robot.services.get(rate.maker) == 1:
             yield from _of_rate(rate)
