@@ -28,8 +28,8 @@ from giraff_schemas.framing import encode as framed
 from giraff_schemas.topics import CMD_VEL, ODOM, TICK, Topic
 from giraff_schemas.wire import BoardKind, Frame, HelloFrame, WheelsFrame
 from giraff_sim.board import ROOT
-from giraff_sim.dst.drill import SECONDS, known_settings, play
 from giraff_sim.dst.scenarios import draw
+from giraff_sim.dst.simulated_run import SECONDS, known_settings, play
 from tests.unit.schemas.samples import an_example
 
 _CALLS: Final = 1000

@@ -28,7 +28,7 @@ ANDROID: Final = "Mozilla/5.0 (Linux; Android 14; Pixel 8) AppleWebKit/537.36 Ch
 SHOWS_IT: Final = f"""() => {{
   const told = (id) => document.getElementById(id).textContent;
   const at = told("floor-text");
-  const free = document.querySelectorAll(".tiles [data-freedom=free]").length === 4;
+  const free = document.querySelectorAll(".tiles [data-clearance=free]").length === 4;
   return free && parseFloat(told("path")) >= {WAY} && parseFloat(told("speed")) > 0.2 && at.includes("Localized on");
 }}"""
 

@@ -8,7 +8,7 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 PictureSize = Literal["full", "small"]
 """In `camera/<name>/@<size>`. `full`: as the robot file has it. `small`: half as wide and high, with as few bytes as
@@ -88,7 +88,7 @@ class CameraState(Sample, frozen=True, kw_only=True):
     height: int
     rate: float
     """Hz. Pictures that the camera took in the last second."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause of missing pictures while somebody looks."""
 
     def __post_init__(self) -> None:
@@ -117,7 +117,7 @@ class VisualOdometry(Sample, frozen=True, kw_only=True):
     """s from that tick's arrival at the camera's computer until the middle of the exposure."""
     key: int
     """Number of the key picture, from 0."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause, where this is no measurement."""
     motion: Step | None
     """Motion since the key picture, as the picture has it. Where there is a reason it is no measurement: what was seen

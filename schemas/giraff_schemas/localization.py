@@ -12,7 +12,7 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LocalizationState = Literal["no_map", "lost", "ambiguous", "told", "localized"]
 """`localized`: all that is known agrees on one place; `told`: somebody has given the place, and the sensors neither
@@ -69,7 +69,7 @@ class MapPose(Sample, frozen=True, kw_only=True):
     particles: int
     map: str
     """Name of the floor plan; empty: there is none."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause, where the robot is not localized."""
     tick: RobotTime | None
     """Of the newest odometry in it; None: there was none yet."""
@@ -131,7 +131,7 @@ class FreeCells(msgspec.Struct, frozen=True, kw_only=True):
     def fault(self, x: float, y: float) -> Trouble:
         """Return why the robot cannot stand at a place of `map`, m."""
         if self.holds(x, y):
-            return WELL
+            return NO_TROUBLE
         right, top = self.left + self.columns * self.side, self.bottom + self.rows * self.side
         return Trouble(
             f"({x:g}, {y:g}) is in a wall, too near one, or off the map, which goes from ({self.left:.1f}, "
@@ -188,5 +188,5 @@ class LocalizationAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """What localization did with either."""
 
     done: bool
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause of a refusal."""

@@ -11,7 +11,7 @@ from typing import Literal
 import msgspec
 
 from giraff_schemas.checks import require_finite, require_moment
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 class RobotTime(msgspec.Struct, frozen=True):
@@ -91,7 +91,7 @@ class DriveCommand(Sample, frozen=True, kw_only=True):
     """rad/s, counter-clockwise positive."""
     source: Source
     """`hand`: a human's wish. `fault`: the operator's side lost the hand; always neutral, and arms nothing."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """The fault."""
     tick: RobotTime | None
     """Of the measurement or human event, never renewed. None: the operator has not heard the robot yet."""
@@ -123,7 +123,7 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Faults of `source` since the guard began. Another number disarms: each word has it, should a fault's be lost."""
     hand_neutral: bool
     """The operator's own command is a hand's and neutral: what arms the robot when held."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause, where this is less than the operator asked for."""
     free_side: Side = "none"
     """Where a robot that sits down has room, by the ranges of now."""
@@ -149,7 +149,7 @@ class Lease(Sample, frozen=True, kw_only=True):
     """Name of the holder; empty: none."""
     counter: int
     """Another one for each grant, never 0; what the holder's commands must carry. 0: free."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause of the newest grant, refusal or end. The remedy is for an operator who wants to drive."""
     unranked: tuple[str, ...] = ()
     """Operators that have asked to drive, and whose names no table ranks: persons take the robot from them."""
@@ -163,7 +163,7 @@ class EStop(Sample, frozen=True, kw_only=True):
     """Names this latch: a reset that names another clears nothing."""
     by: str
     """Who engaged it, or reset it."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     engaged_ns: int = 0
     """Robot time of the newest request to stop, also of one that finds it engaged; 0: none since base began."""
     off: bool = False
@@ -199,7 +199,7 @@ class Range(Sample, frozen=True, kw_only=True):
     """m from the sensor; only of an echo."""
     echo_us: int
     """Length of the echo pulse as the board measured it; 0 = none."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """The fault."""
     tick: RobotTime | None
     """Newest moment the board held when it triggered the ping."""
@@ -276,7 +276,7 @@ class Odometry(Sample, frozen=True, kw_only=True):
     boot_id: int
     tick: RobotTime
     jumps: int = 0
-    """How often its pose was set from outside since odometry began: `origin` says what follows."""
+    """How often its pose was set from outside since odometry began: `segment` says what follows."""
     breaks: int = 0
     """How often the wheels could not be followed, or only over a gap: what that may have missed is in `covariance`."""
 
@@ -284,7 +284,7 @@ class Odometry(Sample, frozen=True, kw_only=True):
         require_finite(self, self.x, self.y, self.yaw, self.linear_x, self.angular_z, self.path, *self.covariance)
 
     @property
-    def origin(self) -> tuple[str, int]:
+    def segment(self) -> tuple[str, int]:
         """Between two samples of which this differs lies no motion: the pose was set, or odometry began anew."""
         return self.instance, self.jumps
 
@@ -324,7 +324,7 @@ class BaseState(Sample, frozen=True, kw_only=True):
     armed: bool
     driving: bool
     """The newest frame to the board asked for motion."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause, where the robot does not do what the guard let through."""
     guard: str
     """Instance of the guard that base is bound to; empty: none yet."""
@@ -349,18 +349,18 @@ class Battery(Sample, frozen=True, kw_only=True):
 
 
 Direction = Literal["forward", "backward", "turn_left", "turn_right"]
-Freedom = Literal["free", "slow", "creep", "blocked"]
+Clearance = Literal["free", "slow", "creep", "blocked"]
 
 
-class Verdict(msgspec.Struct, frozen=True, kw_only=True):
+class DirectionLimit(msgspec.Struct, frozen=True, kw_only=True):
     """What the guard allows in one direction now."""
 
     allowed: float
     """m/s (forward, backward) or rad/s (turns), never negative."""
-    freedom: Freedom
+    clearance: Clearance
     sensor: str
     """The sensor that limits; empty: none does."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
 
     def __post_init__(self) -> None:
         require_finite(self, self.allowed)
@@ -371,20 +371,20 @@ class SensorState(msgspec.Struct, frozen=True, kw_only=True):
 
     type: str
     """Type of the sensor in the robot file."""
-    trouble: Trouble = WELL
+    trouble: Trouble = NO_TROUBLE
     """Cause of the guard's distrust; false where the guard trusts it."""
 
 
 class GuardState(Sample, frozen=True, kw_only=True):
     """The guard's verdict for each direction, and what it does with the operator's command."""
 
-    forward: Verdict
-    backward: Verdict
-    turn_left: Verdict
-    turn_right: Verdict
+    forward: DirectionLimit
+    backward: DirectionLimit
+    turn_left: DirectionLimit
+    turn_right: DirectionLimit
     operator: str
     """Instance the guard listens to, the holder of the lease; empty: none."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause, where the guard cut the newest command."""
     sensors: dict[str, SensorState]
     """By name, in the order of the robot file."""

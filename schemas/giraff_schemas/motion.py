@@ -12,7 +12,7 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 class Move(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="move"):
@@ -140,7 +140,7 @@ class MotionAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """What became of a request: how it ends is said by `MotionState`."""
 
     accepted: bool
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause of a refusal."""
 
 
@@ -208,7 +208,7 @@ class MotionState(Sample, frozen=True, kw_only=True):
     outcome: Outcome
     sensor: str
     """Of the guard's, which blocks the way; empty: none does."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause, where the robot does not move now, or has not arrived at the end."""
 
     def __post_init__(self) -> None:

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LiveText = Literal["up", "down", "free", "checked", "fixed"]
 
@@ -58,7 +58,7 @@ class ParamAnswer(msgspec.Struct, frozen=True, kw_only=True):
     host: str
     done: bool
     """What was asked is so now."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause of a refusal."""
     params: tuple[Param, ...]
     """Those it is about, as they are now."""

@@ -9,14 +9,14 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
     """Asks base to stop at once and stay so."""
 
     by: str
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     off: bool = False
     """Also switch off a drive that holds the robot up while it is stopped. A stop that is off stays off until it is
     reset."""
@@ -46,7 +46,7 @@ class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """The state is as asked, and on disk."""
     engaged: bool
     id: int
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause of a refusal."""
     instance: str = ""
     """Of the base that answers. Its `estop` samples carry it, too: without them an answer proves no stop."""
@@ -113,5 +113,5 @@ class OdomAnswer(msgspec.Struct, frozen=True, kw_only=True):
     done: bool
     jumps: int
     """`Odometry.jumps` of the samples from now on."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Cause of a refusal."""

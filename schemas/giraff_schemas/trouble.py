@@ -44,4 +44,4 @@ class Trouble(msgspec.Struct, frozen=True):
         return msgspec.structs.replace(self, what=f"{whom}: {self.what}")
 
 
-WELL = Trouble()
+NO_TROUBLE = Trouble()

@@ -6,7 +6,7 @@ from giraff_base.config import BaseConfig
 from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 class Arming:
@@ -30,7 +30,7 @@ class Arming:
     def refusal(self) -> Trouble:
         """Why the robot is not armed, and how to arm it."""
         if self.armed:
-            return WELL
+            return NO_TROUBLE
         what = f"not armed since {self._why.what}"
         return Trouble(what, self._why.remedy, "hold_level", f"{self._live.config.arm_time:g} s")
 

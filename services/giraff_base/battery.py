@@ -8,7 +8,7 @@ from typing import Final
 from giraff_base.config import BaseConfig
 from giraff_core.live import Live
 from giraff_schemas.requests import EStopEngage
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _HELD_NS: Final = 5_000_000_000  # motors that start pull any battery down; what lasts is not that
 _LONGEST_NS: Final = 1_000_000_000  # from one reading to the next; a longer gap tells nothing
@@ -51,7 +51,7 @@ class _SinceCharge:
         self._charged_ns: int | None = None
         self._newest_ns = 0
 
-    def take(self, volts: float, robot_ns: int, *, rests: bool) -> None:
+    def on_voltage(self, volts: float, robot_ns: int, *, rests: bool) -> None:
         self._newest_ns = robot_ns
         if not rests:
             self._mean_from_ns = None
@@ -92,9 +92,9 @@ class BatteryWatch:
 
     @property
     def stops(self) -> Trouble:
-        """Reason for base to engage the emergency stop, and to refuse its reset. WELL: there is none."""
+        """Reason for base to engage the emergency stop, and to refuse its reset. NO_TROUBLE: there is none."""
         if not self._empty.holds or self._volts is None:
-            return WELL
+            return NO_TROUBLE
         if self._volts >= self._recharged:
             return Trouble(f"the battery was empty and has {self._volts:.1f} V", f"wait {_HELD_NS // 1_000_000_000} s")
         return Trouble(f"the battery is empty at {self._volts:.1f} V", f"charge it to {self._recharged:g} V")
@@ -103,7 +103,9 @@ class BatteryWatch:
     def warning(self) -> Trouble:
         """What is wrong with the battery."""
         is_low = self._low.holds and self._volts is not None
-        return self.stops or (Trouble(f"the battery is low at {self._volts:.1f} V", "charge it") if is_low else WELL)
+        return self.stops or (
+            Trouble(f"the battery is low at {self._volts:.1f} V", "charge it") if is_low else NO_TROUBLE
+        )
 
     @property
     def emergency_stop(self) -> EStopEngage:
@@ -115,13 +117,13 @@ class BatteryWatch:
         """s, from the last charge that was seen to the newest reading; None: none was."""
         return self._since.seconds
 
-    def take(self, volts: float, robot_ns: int, *, rests: bool) -> None:
+    def on_voltage(self, volts: float, robot_ns: int, *, rests: bool) -> None:
         """Take a reading. `rests`: the motors have no power and the wheels stand."""
         low, cutoff = self._live.config.battery_low, self._live.config.battery_cutoff  # 0: off, no battery is below it
         self._volts = volts
         self._low.judge(volts < low, volts >= low + _RISE, robot_ns)
         self._empty.judge(volts < cutoff, volts >= self._recharged, robot_ns)
-        self._since.take(volts, robot_ns, rests=rests)
+        self._since.on_voltage(volts, robot_ns, rests=rests)
 
     @property
     def _recharged(self) -> float:

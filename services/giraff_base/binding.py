@@ -7,10 +7,10 @@ from giraff_base.config import BaseConfig
 from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
-class Binding:
+class GuardBinding:
     """Binds base to one guard. A stale sample, of whichever guard, changes nothing: its maker may be long gone."""
 
     def __init__(self, live: Live[BaseConfig], arming: Arming) -> None:
@@ -27,7 +27,7 @@ class Binding:
     def intruder(self) -> Trouble:
         """Another guard was heard lately while the one in charge was alive."""
         if not self._intruder:
-            return WELL
+            return NO_TROUBLE
         return Trouble(f"a second guard, {self._intruder}, is running", "end one of the two")
 
     def admit(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> Trouble:
@@ -41,7 +41,7 @@ class Binding:
             return Trouble(f"command {command.seq} is not newer than {self._last_seq}")
         self._last_seq = command.seq
         self._heard_ns = now.robot_ns
-        return WELL
+        return NO_TROUBLE
 
     def forget(self, now: RobotTime) -> None:
         """Name a second guard no longer once it has been silent."""
@@ -49,7 +49,7 @@ class Binding:
             self._intruder = ""
 
     def _replace(self, instance: str, now: RobotTime, at_rest: bool) -> Trouble:
-        """Another guard lives: why it is not bound. WELL: it is from now on."""
+        """Another guard lives: why it is not bound. NO_TROUBLE: it is from now on."""
         if self.guard:
             self._arming.disarm(f"guard {instance} spoke while base obeyed guard {self.guard}")
             if (now.robot_ns - self._heard_ns) * 1e-9 < self._live.config.guard_silence:
@@ -59,4 +59,4 @@ class Binding:
             if not at_rest:
                 return Trouble("a new guard waits until the robot is at rest")
         self.guard = instance
-        return WELL
+        return NO_TROUBLE

@@ -15,7 +15,7 @@ from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import BoardState, RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Frame
 
 
@@ -47,7 +47,7 @@ class SpeedLimit(NamedTuple):
 
     speed: float = math.inf
     """m/s."""
-    reason: Trouble = WELL
+    reason: Trouble = NO_TROUBLE
     """Why it is less than the robot file allows."""
 
 
@@ -63,7 +63,7 @@ class Drive(Protocol):
         ...
 
     @property
-    def knows_off(self) -> bool:
+    def can_power_off(self) -> bool:
         """Whether the drive holds a stopped robot up, so that off is another state than stopped."""
         ...
 
@@ -78,8 +78,8 @@ class Drive(Protocol):
         ...
 
     @property
-    def forbids(self) -> Trouble:
-        """Why nobody can arm the robot now: a person must put it right first. WELL: nothing does."""
+    def arming_block(self) -> Trouble:
+        """Why nobody can arm the robot now: a person must put it right first. NO_TROUBLE: nothing does."""
         ...
 
     @property
@@ -88,13 +88,13 @@ class Drive(Protocol):
         ...
 
     @property
-    def waits(self) -> Trouble:
+    def not_ready(self) -> Trouble:
         """Why the board would not move now, whatever base asks for."""
         ...
 
     @property
-    def notice(self) -> Trouble:
-        """What a person should know of the wheels. It stops nothing. WELL: nothing."""
+    def warning(self) -> Trouble:
+        """What a person should know of the wheels. It stops nothing. NO_TROUBLE: nothing."""
         ...
 
     def state(self) -> BoardState:
@@ -117,7 +117,7 @@ class Drive(Protocol):
         """Forget the board: there is none now."""
         ...
 
-    def take(self, frame: Frame, now: RobotTime) -> Report | None:
+    def on_frame(self, frame: Frame, now: RobotTime) -> Report | None:
         """Return what a frame of the board tells; None: it is nothing for base."""
         ...
 

@@ -11,7 +11,7 @@ from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import brief
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
 
@@ -21,14 +21,14 @@ _IDS: Final = 1 << 31
 class EStopControl:
     """Holds the latch in force."""
 
-    def __init__(self, latch: EStopLatch, reset_budget: float, *, knows_off: bool) -> None:
-        """`knows_off`: of the drive. Without it, nothing is off, and no one is told that it is."""
+    def __init__(self, latch: EStopLatch, reset_budget: float, *, can_power_off: bool) -> None:
+        """`can_power_off`: of the drive. Without it, nothing is off, and no one is told that it is."""
         # Somebody may have edited the file.
-        off = latch.engaged and latch.off and knows_off
+        off = latch.engaged and latch.off and can_power_off
         empty = latch.engaged and latch.empty
-        reason = _to_release(latch.reason) if latch.engaged else WELL
+        reason = _to_release(latch.reason) if latch.engaged else NO_TROUBLE
         self.latch = msgspec.structs.replace(latch, by=brief(latch.by), reason=reason, off=off, empty=empty)
-        self._knows_off = knows_off
+        self._can_power_off = can_power_off
         self._reset_budget = reset_budget
         self._engaged_ns = 0
         """Robot time of the newest engaging, of whatever cause; 0: none since the start."""
@@ -39,7 +39,7 @@ class EStopControl:
     def stops(self) -> Trouble:
         """Why nothing may move."""
         latch = self.latch
-        return latch.reason.of(f"emergency stop by {latch.by}") if latch.engaged else WELL
+        return latch.reason.of(f"emergency stop by {latch.by}") if latch.engaged else NO_TROUBLE
 
     def engage(self, asked: EStopEngage, now: RobotTime, *, empty: bool = False) -> None:
         """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves.
@@ -49,7 +49,7 @@ class EStopControl:
         """
         self._engaged_ns = now.robot_ns
         by, reason = brief(asked.by), _to_release(asked.reason)
-        off = self.latch.off or (asked.off and self._knows_off)
+        off = self.latch.off or (asked.off and self._can_power_off)
         empty = self.latch.empty or empty
         latch = EStopLatch(engaged=True, id=self.latch.id, by=by, reason=reason, off=off, empty=empty)
         if self.latch != latch:
@@ -57,10 +57,10 @@ class EStopControl:
 
     def is_news(self, latched: EStopEngage) -> bool:
         """Whether the board has latched more by itself than base asks of it."""
-        return not self.latch.engaged or (latched.off and self._knows_off and not self.latch.off)
+        return not self.latch.engaged or (latched.off and self._can_power_off and not self.latch.off)
 
     def refusal(self, reset: EStopReset, now: RobotTime) -> Trouble:
-        """Why this reset clears nothing. WELL: it may, or this very latch is cleared already."""
+        """Why this reset clears nothing. NO_TROUBLE: it may, or this very latch is cleared already."""
         latch = self.latch
         if reset.id != latch.id:
             other = f"latch {reset.id} is not the one engaged, which is"
@@ -74,13 +74,13 @@ class EStopControl:
         is_old = reset.tick is not None and reset.tick.robot_ns < self._engaged_ns
         if latch.engaged and (is_old or reset.engaged_ns not in (None, self._engaged_ns)):
             return Trouble("the emergency stop was engaged again after this reset was asked for", "ask again")
-        return WELL
+        return NO_TROUBLE
 
     def released(self, reset: EStopReset) -> EStopLatch:
         """The latch as `reset` leaves it."""
-        return EStopLatch(engaged=False, id=self.latch.id, by=brief(reset.by), reason=WELL)
+        return EStopLatch(engaged=False, id=self.latch.id, by=brief(reset.by), reason=NO_TROUBLE)
 
-    def answer(self, why_not: Trouble = WELL) -> EStopAnswer:
+    def answer(self, why_not: Trouble = NO_TROUBLE) -> EStopAnswer:
         """`why_not`: what was asked is not done, and why."""
         return EStopAnswer(done=not why_not, engaged=self.latch.engaged, id=self.latch.id, reason=why_not)
 

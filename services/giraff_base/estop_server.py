@@ -15,14 +15,14 @@ from giraff_base.policy import BasePolicy
 from giraff_core.io import PendingQuery
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _PATIENCE_NS: Final = 1_000_000_000  # for the disk, before the answer is no; a reset is then given up
 _RETRY_NS: Final = 100_000_000  # a stop that is not on disk is lost with the power
 _HANGS: Final = Trouble("the disk hangs; while it does, the robot is stopped and a restart may not know")
 _NOT_ON_DISK: Final = Trouble("the emergency stop is not on disk: the disk hangs", "mend it")
 
-Asked = PendingQuery[EStopEngage, EStopAnswer] | PendingQuery[EStopReset, EStopAnswer]
+PendingRequest = PendingQuery[EStopEngage, EStopAnswer] | PendingQuery[EStopReset, EStopAnswer]
 
 
 class Saver(Protocol):
@@ -35,25 +35,25 @@ class Saver(Protocol):
 
 
 class EStopServer:
-    """Stands between those who ask, the policy and the disk. Each turn of the loop: `take`, the frames, `turn`."""
+    """Stands between those who ask, the policy and the disk. Each turn: `on_requests`, the frames, `turn`."""
 
     def __init__(self, policy: BasePolicy, saver: Saver, instance: str) -> None:
         """`instance`: of this base, as its samples carry it."""
         self._policy = policy
         self._saver = saver
         self._instance = instance
-        self._waiting: list[Asked] = []  # all for the same
+        self._waiting: list[PendingRequest] = []  # all for the same
         self._waiting_ns = 0  # since when the first of them has
         self._reset: tuple[EStopReset, RobotTime] | None = None  # what they wait for; None: for the latch in force
         self._on_disk: EStopLatch | None = None  # None: nobody knows, and it is written anew
         self._writing: EStopLatch | None = None
         self._writing_ns = 0  # since when
         self._retry_ns = 0
-        self._failure = WELL
-        self.fault = WELL
+        self._failure = NO_TROUBLE
+        self.fault = NO_TROUBLE
         """Why the latch in force is not on disk, nor about to be."""
 
-    def take(
+    def on_requests(
         self,
         engages: Iterable[PendingQuery[EStopEngage, EStopAnswer]],
         resets: Iterable[PendingQuery[EStopReset, EStopAnswer]],
@@ -96,13 +96,13 @@ class EStopServer:
             self._writing, self._writing_ns = wanted, now.robot_ns
             self._saver.save(wanted)
         hangs = self._writing is not None and now.robot_ns - self._writing_ns > _PATIENCE_NS
-        self.fault = self._failure or (_NOT_ON_DISK if hangs else WELL)
+        self.fault = self._failure or (_NOT_ON_DISK if hangs else NO_TROUBLE)
 
     def _wanted(self) -> EStopLatch:
         """What belongs on disk: the latch in force, or what the reset under way would make of it."""
         return self._policy.latch if self._reset is None else self._policy.released(self._reset[0])
 
-    def _wait(self, asked: Asked, now: RobotTime) -> None:
+    def _wait(self, asked: PendingRequest, now: RobotTime) -> None:
         if not self._waiting:
             self._waiting_ns = self._retry_ns = now.robot_ns
         self._waiting.append(asked)
@@ -110,7 +110,7 @@ class EStopServer:
     def _note(self, latch: EStopLatch, why: str, now: RobotTime) -> None:
         self._writing = None
         self._on_disk = None if why else latch
-        self._failure = WELL
+        self._failure = NO_TROUBLE
         if why:
             self._failure = Trouble(
                 f"the emergency stop cannot be kept: {why}", "free the disk or mend its permissions"
@@ -120,7 +120,7 @@ class EStopServer:
 
     def _confirm(self) -> None:
         """Answer all who wait, as the disk has it now. A reset that is refused by now is written back."""
-        refusal = WELL
+        refusal = NO_TROUBLE
         if self._reset is not None:
             refusal = self._policy.reset_refusal(*self._reset)
             self._policy.on_reset(*self._reset)

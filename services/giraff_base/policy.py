@@ -8,18 +8,18 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_base.authority import Authority
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Report
 from giraff_base.estop import EStopControl, EStopLatch
-from giraff_base.kinds import drive_of
+from giraff_base.permission import Permission
+from giraff_base.registry import drive_of
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, RobotTime, Sample
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Frame
 
 _LONGEST_STEP = 0.02  # s, two reports of the board: a ramp does not jump after a pause
@@ -67,24 +67,24 @@ class BasePolicy:
     """
 
     def __init__(
-        self, live: Live[BaseConfig], robot: RobotConfig, latch: EStopLatch, lost_parameters: Trouble = WELL
+        self, live: Live[BaseConfig], robot: RobotConfig, latch: EStopLatch, lost_parameters: Trouble = NO_TROUBLE
     ) -> None:
         """`lost_parameters`: a saved limit that may be lost; nothing moves then."""
         self._live = live
         self._kinematics = robot.kinematics
         self._drive = drive_of(robot, live.config)
-        self._estop = EStopControl(latch, live.config.reset_budget, knows_off=self._drive.knows_off)
+        self._estop = EStopControl(latch, live.config.reset_budget, can_power_off=self._drive.can_power_off)
         if self._estop.latch.engaged:
             self._drive.hold(off=self._estop.latch.off)
         was_empty = self._estop.latch.engaged and self._estop.latch.empty
-        self._authority = Authority(
+        self._permission = Permission(
             live, self._estop, self._drive, battery_was_empty=was_empty, lost_parameters=lost_parameters
         )
         self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False
         self._may_hurry = False  # a command may have a frame before the next report
-        self._link_fault = WELL
+        self._link_fault = NO_TROUBLE
         self._driving = False  # the newest frame asks for motion
         self._reason = _NO_REPORT
 
@@ -106,7 +106,7 @@ class BasePolicy:
     @property
     def faults(self) -> dict[str, Trouble]:
         """What is wrong, by what has it."""
-        return {**self._authority.faults, "rolling": self._drive.notice}
+        return {**self._permission.faults, "rolling": self._drive.warning}
 
     def on_reconfigured(self, config: BaseConfig) -> None:
         """Put another configuration in force, between two turns."""
@@ -115,7 +115,7 @@ class BasePolicy:
 
     def on_link_opened(self, session: int) -> None:
         """The port was opened, perhaps again. `session`: random, not 0; tells this opening from any other."""
-        self._link_fault = WELL
+        self._link_fault = NO_TROUBLE
         self._drive.open(session)
         self._lose_board("the serial link was opened anew")
 
@@ -129,8 +129,8 @@ class BasePolicy:
         """Take what the board sent; the samples to publish, once it works with this session's wiring."""
         samples: list[Sample] = []
         for frame in frames:
-            if (report := self._drive.take(frame, now)) is not None:
-                self._hear(report, now)
+            if (report := self._drive.on_frame(frame, now)) is not None:
+                self._on_report(report, now)
                 samples += report.samples
         return samples
 
@@ -140,7 +140,7 @@ class BasePolicy:
 
     def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
         """Take a command of a guard. One that counts goes down at once, and the next ones with the board's report."""
-        if self._authority.on_command(command, now, self._drive.at_rest) and self._may_hurry:
+        if self._permission.on_command(command, now, self._drive.at_rest) and self._may_hurry:
             self._may_hurry = False
             self._answered = False
 
@@ -150,7 +150,7 @@ class BasePolicy:
         return self._estop.answer()
 
     def reset_refusal(self, reset: EStopReset, now: RobotTime) -> Trouble:
-        """Why `on_reset` would clear nothing. WELL: it would, or nothing is left to clear."""
+        """Why `on_reset` would clear nothing. NO_TROUBLE: it would, or nothing is left to clear."""
         return self._estop.refusal(reset, now) or self._uncharged
 
     def released(self, reset: EStopReset) -> EStopLatch:
@@ -183,7 +183,7 @@ class BasePolicy:
 
     def state(self) -> BaseState:
         """Return base's state as of its newest frame."""
-        authority, is_there, reason = self._authority, self._reported_ns is not None, self.reason
+        authority, is_there, reason = self._permission, self._reported_ns is not None, self.reason
         return BaseState(
             armed=authority.arming.armed,
             driving=self._driving,
@@ -201,48 +201,48 @@ class BasePolicy:
     def battery(self) -> Battery | None:
         """The battery, where its divider is known."""
         voltage = self._drive.voltage
-        return None if voltage is None else Battery(voltage=voltage, since_charge=self._authority.battery.since_charge)
+        return None if voltage is None else Battery(voltage=voltage, since_charge=self._permission.battery.since_charge)
 
     @property
     def _uncharged(self) -> Trouble:
-        """Reason to refuse the reset of a stop under which the battery was empty. WELL: there is none."""
+        """Reason to refuse the reset of a stop under which the battery was empty. NO_TROUBLE: there is none."""
         if not self._estop.latch.empty:
-            return WELL
-        return self._authority.battery.stops or (_UNMEASURED if self._reported_ns is None else WELL)
+            return NO_TROUBLE
+        return self._permission.battery.stops or (_UNMEASURED if self._reported_ns is None else NO_TROUBLE)
 
     def _engage(self, asked: EStopEngage, now: RobotTime) -> None:
-        self._estop.engage(asked, now, empty=bool(self._authority.battery.stops))
-        self._authority.arming.disarm("the emergency stop")
+        self._estop.engage(asked, now, empty=bool(self._permission.battery.stops))
+        self._permission.arming.disarm("the emergency stop")
         self._drive.hold(off=self._estop.latch.off)
-        self._stand_still(WELL)
+        self._stand_still(NO_TROUBLE)
         self._answered = False  # the board hears of it at once, whatever it was told last
 
     def _lose_board(self, why: str) -> None:
         self._reported_ns = None
         self._stand_still(_NO_REPORT)
-        self._authority.arming.disarm(why)
+        self._permission.arming.disarm(why)
 
-    def _hear(self, report: Report, now: RobotTime) -> None:
+    def _on_report(self, report: Report, now: RobotTime) -> None:
         """Take news of the board: what disarms comes before what the board has latched."""
-        arming, last_ns = self._authority.arming, self._reported_ns
+        arming, last_ns = self._permission.arming, self._reported_ns
         for why in report.disarms:
             arming.disarm(why.what, why.remedy)
         if last_ns is not None and (now.robot_ns - last_ns) * 1e-9 > self._live.config.disarm_time:
             arming.disarm("the base board was silent for too long")
-        self._link_fault = WELL
+        self._link_fault = NO_TROUBLE
         self._reported_ns = now.robot_ns
         self._answered = False
         self._may_hurry = True
         if (latched := report.latched) is not None and self._estop.is_news(latched):
             self._engage(latched, now)
         if (voltage := self._drive.voltage) is not None:
-            watch = self._authority.battery
-            watch.take(voltage, now.robot_ns, rests=self._drive.at_rest and not self._driving)
+            watch = self._permission.battery
+            watch.on_voltage(voltage, now.robot_ns, rests=self._drive.at_rest and not self._driving)
             if watch.stops and not self._estop.latch.empty:
                 self._engage(watch.emergency_stop, now)
 
     def _drive_frame(self, now: RobotTime) -> Frame | None:
-        linear, angular, self._reason = self._authority.wanted(now)
+        linear, angular, self._reason = self._permission.wanted(now)
         # Within the wheels first: a ramp up to what is scaled down later would leap where the other part ends.
         allowed = self._kinematics.within_limits(linear, angular)
         limit = self._drive.limit
@@ -251,13 +251,13 @@ class BasePolicy:
             if slowed != allowed:
                 allowed, self._reason = slowed, limit.reason.of("slowed")
         self._ramp.follow(*allowed, now.robot_ns)
-        if waits := self._drive.waits:
+        if waits := self._drive.not_ready:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
             self._stand_still(self._reason or waits)
-        armed, free_side = self._authority.arming.armed, self._authority.free_side(now)
+        armed, free_side = self._permission.arming.armed, self._permission.free_side(now)
         asked = self._drive.ask(self._ramp.linear, self._ramp.angular, armed=armed, free_side=free_side)
         self._driving = asked.moves
-        self._reason = self._reason or asked.reason or WELL
+        self._reason = self._reason or asked.reason or NO_TROUBLE
         return asked.frame
 
     def _stand_still(self, reason: Trouble) -> None:

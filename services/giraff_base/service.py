@@ -14,7 +14,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, VISUAL_ODOM
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 
 _TAKEN_ALONG: Final = 0.25 / TICK.rate_hz
 """s. A tick that is due within this time goes out with the board's report. One wake then serves both."""
@@ -56,14 +56,14 @@ class Base:
         if link.fault:
             policy.on_link_lost(link.fault)
         robot_time = RobotTime(epoch=self._epoch, robot_ns=self._io.robot_ns())
-        for command in self._commands.take():
+        for command in self._commands.pop_all():
             policy.on_command(command, robot_time)
         for sample in policy.on_frames(frames, robot_time):
             self._samples[type(sample)].put(sample)
         if self._seen is not None:
-            for told in self._seen.take():
+            for told in self._seen.pop_all():
                 policy.on_camera(told, robot_time)
-        self._server.take(self._engages.take(), self._resets.take(), robot_time)
+        self._server.on_requests(self._engages.pop_all(), self._resets.pop_all(), robot_time)
         if (frame := policy.next_frame(robot_time)) is not None:
             link.send(frame)
         self._server.turn(robot_time)
@@ -90,7 +90,7 @@ class _States:
         self._base_timer, self._estop_timer, self._battery_timer = (
             Timer(row.rate_hz) for row in (BASE, ESTOP, BATTERY)
         )
-        self._reason = WELL
+        self._reason = NO_TROUBLE
         self._told = policy.estop()
 
     def put(self, now: float) -> None:

@@ -131,7 +131,7 @@ class PicturePolicy:
         asker.hold, asker.at = hold, max(sent, asker.at)
         self._assign(asker)
 
-    def look(self, now: float) -> None:
+    def update(self, now: float) -> None:
         """Forget who is gone, and wait no longer for who is late."""
         for instance in [each for each, asker in self._askers.items() if now - asker.at >= HOLD_ENDS]:
             del self._askers[instance]

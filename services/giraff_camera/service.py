@@ -16,7 +16,7 @@ from giraff_core.timer import Timer
 from giraff_schemas.camera import CameraState, Picture, PictureSize
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, TICK
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _TICKS: Final = 200
 """Number of ticks that are kept: 4 s of them, longer than a picture takes from its exposure to here."""
@@ -29,7 +29,7 @@ class Capture(Selectable, Protocol):
 
     @property
     def fault(self) -> Trouble:
-        """Why there are no pictures though it was started; WELL: there are, or may be."""
+        """Why there are no pictures though it was started; NO_TROUBLE: there are, or may be."""
         ...
 
     @property
@@ -50,7 +50,7 @@ class Capture(Selectable, Protocol):
         """Close the device."""
         ...
 
-    def take(self) -> Image | None:
+    def pop_picture(self) -> Image | None:
         """The newest picture that was not taken yet."""
         ...
 
@@ -95,10 +95,10 @@ class Camera:
 
     def turn(self, now: float) -> None:
         policy = self._policy
-        self._ticks.extend((now, tick.time) for tick in self._ticks_heard.take())
-        for hold in self._holds.take():
+        self._ticks.extend((now, tick.time) for tick in self._ticks_heard.pop_all())
+        for hold in self._holds.pop_all():
             policy.on_hold(hold, now)
-        policy.look(now)
+        policy.update(now)
         if policy.is_on:
             self._capture.start()
             self._show(now)
@@ -115,7 +115,7 @@ class Camera:
         self._capture.stop()
 
     def _show(self, now: float) -> None:
-        if (image := self._capture.take()) is not None:
+        if (image := self._capture.pop_picture()) is not None:
             self._image, self._unsent = image, {"full", "small"}
         image = self._image
         if image is None:
@@ -154,7 +154,7 @@ class Camera:
         return next(((at, tick) for at, tick in reversed(self._ticks) if at <= taken), (taken, None))
 
     def _state(self, now: float) -> None:
-        trouble = self._capture.fault if self._policy.is_on else WELL
+        trouble = self._capture.fault if self._policy.is_on else NO_TROUBLE
         self._io.set_fault("camera", trouble)
         self._states.put(
             CameraState(

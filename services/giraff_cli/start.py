@@ -30,10 +30,10 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")
     asks_completion = os.environ.pop("_GIRAFF_COMPLETE", "")
     from giraff_cli.main import app  # noqa: PLC0415
-    from giraff_cli.usage import complete, obey  # noqa: PLC0415
+    from giraff_cli.usage import complete, run_app  # noqa: PLC0415
 
     try:
-        code = complete(app) if asks_completion else obey(app)
+        code = complete(app) if asks_completion else run_app(app)
     except Exception as error:  # noqa: BLE001  that nobody foresaw
         sys.excepthook(type(error), error, error.__traceback__)
         code = _FAILED

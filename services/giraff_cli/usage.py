@@ -53,7 +53,7 @@ completion bash
 """The example in the help of a command, and of a group the first one. Other commands need no word."""
 
 
-def obey(app: typer.Typer) -> int:
+def run_app(app: typer.Typer) -> int:
     """Do what the command line asks for; the exit code."""
     command: Any = typer.main.get_command(app)
     try:

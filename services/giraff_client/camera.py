@@ -68,7 +68,7 @@ class _Looking:
         while True:
             self._asked = time.monotonic()
             self._client.want()
-            taken, state = self._client.take(), self._client.state
+            taken, state = self._client.pop_picture(), self._client.state
             full_width = 0 if state is None else state.width
             if (picture := self._choice.choose(taken, full_width, self._asked)) is not None:
                 return picture

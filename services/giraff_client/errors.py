@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from giraff_core.motion.result import MotionResult
 from giraff_schemas.actions import SCRIPT
-from giraff_schemas.messages import Direction, EStop, Verdict
+from giraff_schemas.messages import Direction, DirectionLimit, EStop
 from giraff_schemas.text import printable_lines
 
 
@@ -56,13 +56,13 @@ class EmergencyStopError(RobotError):
 class BlockedError(RobotError):
     """The guard lets nothing through in a direction that a script asks for."""
 
-    def __init__(self, direction: Direction, verdict: Verdict) -> None:
+    def __init__(self, direction: Direction, verdict: DirectionLimit) -> None:
         super().__init__(f"{direction} blocked: {verdict.reason}")
         self.direction = direction
         self.sensor = verdict.sensor
         """Name of the sensor that blocks; empty: none does."""
         self.reason = verdict.reason.what
-        self.way_out = verdict.reason.remedy
+        self.remedy = verdict.reason.remedy
         """What the script can do instead; empty: nothing is known."""
 
 

@@ -13,7 +13,7 @@ from giraff_client import errors
 from giraff_client.reading import is_fresh, require_finite
 from giraff_core.kinematics import frame_errors as found
 from giraff_core.kinematics.frames import FrameTree
-from giraff_core.kinematics.origin import Origin
+from giraff_core.kinematics.segment import Segment
 from giraff_node.network.replies import ask_all
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.localization import MapPose
@@ -45,7 +45,7 @@ class FrameFinder:
         self._odom, self._silence = odom, silence
         self._lock = threading.Lock()  # Zenoh's threads tell what they hear
         self._tree = FrameTree()
-        self._origin = Origin()
+        self._segment = Segment()
         self._pose: MapPose | None = None
         self._posed = 0.0  # s of the monotonic clock
         self._session: zenoh.Session | None = None
@@ -57,11 +57,11 @@ class FrameFinder:
         self._session, self._key = session, frame_key(robot)
         self._first_until = time.monotonic() + _FIRST_WITHIN
 
-    def hear(self, odometry: Odometry) -> None:
+    def on_odometry(self, odometry: Odometry) -> None:
         """Take where the robot is, as it arrives."""
         with self._lock:
-            self._tree.hear(odometry)
-            self._origin.hear(odometry)
+            self._tree.on_odometry(odometry)
+            self._segment.on_odometry(odometry)
 
     def hear_pose(self, pose: MapPose) -> None:
         """Take where the robot is on the map, as it arrives."""
@@ -124,14 +124,14 @@ class FrameFinder:
             fault = (
                 str(pose.reason) or f"it is not known where the robot is on the map ({pose.state}); `giraff localize`"
             )
-        elif not self._origin.holds(pose.tick):
+        elif not self._segment.holds(pose.tick):
             fault = "the pose on the map is from before odometry was set or began anew; wait for localization"
         else:
             at = pose.odom
             told = Transform(
                 parent=MAP_FRAME, child=ODOM_FRAME, x=at.x, y=at.y, yaw=at.yaw, fixed=False, tick=pose.tick
             )
-            self._tree.tell(told)
+            self._tree.on_transform(told)
             return ""
         self._tree.forget(ODOM_FRAME)
         return fault
@@ -146,7 +146,7 @@ class FrameFinder:
     def _on_frame(self, told: Transform) -> None:
         if told.fixed:  # where the robot is, odometry says all the time
             with self._lock:
-                self._tree.tell(told)
+                self._tree.on_transform(told)
 
 
 class FrameReader:

@@ -42,7 +42,7 @@ class OperatorPolicy:
         """Whether the robot is this script's."""
         return self._operator.holds
 
-    def take(self, sample: Sample, now: float) -> None:
+    def on_sample(self, sample: Sample, now: float) -> None:
         """Take what the robot says, as it arrives."""
         match sample:
             case Tick():

@@ -42,9 +42,9 @@ def ranges_of(heard: Heard, now: float) -> dict[str, Range]:
 
 def blockage(state: GuardState, linear_x: float, angular_z: float) -> BlockedError | None:
     """What the guard lets nothing through of; None: something of each direction that is asked for."""
-    if linear_x and (verdict := state.forward if linear_x > 0.0 else state.backward).freedom == "blocked":
+    if linear_x and (verdict := state.forward if linear_x > 0.0 else state.backward).clearance == "blocked":
         return BlockedError("forward" if linear_x > 0.0 else "backward", verdict)
-    if angular_z and (verdict := state.turn_left if angular_z > 0.0 else state.turn_right).freedom == "blocked":
+    if angular_z and (verdict := state.turn_left if angular_z > 0.0 else state.turn_right).clearance == "blocked":
         return BlockedError("turn_left" if angular_z > 0.0 else "turn_right", verdict)
     return None
 

@@ -315,13 +315,13 @@ class Robot(Motions, States, FrameReader, CameraReader):
         self._commands.put(command)
         time.sleep(_PERIOD)
 
-    def _fresh(self, topic: Topic[SampleT], way_out: str) -> SampleT:
+    def _fresh(self, topic: Topic[SampleT], remedy: str) -> SampleT:
         self._wait_for_first(lambda: topic.key in self._newest)
         sample, heard = self._newest.get(topic.key, (None, 0.0))
         if sample is None:
-            raise self._silence(f"{topic.key} was never heard; {way_out}")
+            raise self._silence(f"{topic.key} was never heard; {remedy}")
         if not is_fresh(topic, old := time.monotonic() - heard):
-            raise self._silence(f"{topic.key} is silent for {old:.1f} s; {way_out}")
+            raise self._silence(f"{topic.key} is silent for {old:.1f} s; {remedy}")
         assert isinstance(sample, topic.schema)  # noqa: S101  it was decoded as one
         return sample
 
@@ -365,9 +365,9 @@ class Robot(Motions, States, FrameReader, CameraReader):
                 return
             now = time.monotonic()
             with self._lock:  # first, so that whoever sees a tick has a policy that knows of it
-                self._policy.take(sample, now)
+                self._policy.on_sample(sample, now)
             if isinstance(sample, Odometry):
-                self._frames.hear(sample)
+                self._frames.on_odometry(sample)
             if isinstance(sample, MapPose):
                 self._frames.hear_pose(sample)
             self._newest[key.removeprefix(prefix)] = sample, now

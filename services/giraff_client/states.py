@@ -46,5 +46,5 @@ class States(ABC):
         return self._fresh(POSE, "start giraff_localization, on any machine of the robot's network")
 
     @abstractmethod
-    def _fresh(self, topic: Topic[SampleT], way_out: str) -> SampleT:
+    def _fresh(self, topic: Topic[SampleT], remedy: str) -> SampleT:
         """The newest, unless it says nothing of now. Raises SilentError with the way out, LostRobotError."""

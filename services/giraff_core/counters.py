@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_schemas.messages import Wheels
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 SLACK_TICKS: Final = 4
 """Added to what a wheel may travel between two samples: counts come whole, and the board's time is not exact."""
@@ -39,4 +39,4 @@ def restart(last: Wheels, wheels: Wheels) -> Trouble:
     # The board's own time says "newer" for half its range only; the robot's clock does not wrap.
     if wheels.tick.robot_ns - last.tick.robot_ns >= _HALF_WRAP * 1000:
         return _LONG_GAP
-    return WELL
+    return NO_TROUBLE

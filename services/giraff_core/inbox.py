@@ -13,7 +13,7 @@ ItemT = TypeVar("ItemT")
 
 
 class Inbox(Generic[ItemT]):
-    """All that has come since the last `take`, oldest first; a reader that falls behind loses the oldest."""
+    """All that has come since the last `pop_all`, oldest first; a reader that falls behind loses the oldest."""
 
     def __init__(self, limit: int) -> None:
         self._samples: deque[ItemT] = deque(maxlen=limit)
@@ -25,6 +25,6 @@ class Inbox(Generic[ItemT]):
         """Return how many wait."""
         return len(self._samples)
 
-    def take(self) -> Iterator[ItemT]:
+    def pop_all(self) -> Iterator[ItemT]:
         for _ in range(len(self._samples)):  # what comes meanwhile waits: a flood must not hold the loop
             yield self._samples.popleft()

@@ -64,7 +64,7 @@ class Board(Selectable, Protocol):
 
     @property
     def fault(self) -> Trouble:
-        """Why there are no frames; WELL when there may be."""
+        """Why there are no frames; NO_TROUBLE when there may be."""
         ...
 
     @property
@@ -162,11 +162,12 @@ class IO(Protocol):
         ...
 
     def set_fault(self, name: str, trouble: Trouble) -> None:
-        """State what is wrong with `name` of this service itself, or with WELL that nothing is."""
+        """State what is wrong with `name` of this service itself, or with NO_TROUBLE that nothing is."""
         ...
 
     def set_notice(self, name: str, trouble: Trouble) -> None:
-        """State what is wrong elsewhere or awaited, or with WELL that nothing is: this service is well all the same."""
+        """State what is wrong elsewhere or awaited, or with NO_TROUBLE that nothing is: this service is well all the
+        same."""
         ...
 
     def leave(self) -> None:

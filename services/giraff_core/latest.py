@@ -45,7 +45,7 @@ class LatestSamples:
         if len(by_publisher) > _MOST:
             del by_publisher[next(iter(by_publisher))]
 
-    def take(self, sample: Sample, now: float) -> None:
+    def add(self, sample: Sample, now: float) -> None:
         """Remember a sample that was heard just now; `now`: s of that clock."""
         topic = _TOPICS[type(sample)]
         key = topic.key.replace("*", getattr(sample, topic.names)) if topic.names else topic.key

@@ -8,7 +8,7 @@ from typing import Final
 import msgspec
 
 from giraff_schemas.messages import Lease
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 ASK: Final = 0
 """The counter of a command that asks for the lease."""
@@ -46,7 +46,7 @@ class LeaseClient:
         self._held = ASK
         self._given_up: tuple[str, int] | None = None  # a guard's instance, and the counter of its lease
         self.refusal = _NO_GUARD
-        """Why this operator does not drive, and who does; WELL when it holds the lease."""
+        """Why this operator does not drive, and who does; NO_TROUBLE when it holds the lease."""
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says. Late words of the same guard are not taken."""
@@ -56,7 +56,7 @@ class LeaseClient:
         self._lease = lease
         if self.holds:
             self._held = lease.counter
-        self.refusal = WELL if self.holds else _RENEWED if self._is_mine(lease) else lease.reason
+        self.refusal = NO_TROUBLE if self.holds else _RENEWED if self._is_mine(lease) else lease.reason
 
     @property
     def holds(self) -> bool:

@@ -14,10 +14,10 @@ from giraff_core.freshness import TickFilter
 from giraff_core.inbox import Inbox
 from giraff_core.io import Publisher, Selectable
 from giraff_core.lease import LeaseClient, unranked_notice
-from giraff_core.timer import PromptTimer, Timer
+from giraff_core.timer import EarlyTimer, Timer
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Lease, RobotTime, Tick
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, SampleT, Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LINK_SILENCE: Final = 0.5
 """s without a new tick of the robot after which it counts as lost."""
@@ -72,8 +72,8 @@ class RobotLink:
             self.tick, self.heard = tick.time, now
 
     def link_fault(self, now: float) -> Trouble:
-        """Why the robot counts as lost; WELL: it is heard."""
-        return _LINK_LOST if now - self.heard > LINK_SILENCE else WELL
+        """Why the robot counts as lost; NO_TROUBLE: it is heard."""
+        return _LINK_LOST if now - self.heard > LINK_SILENCE else NO_TROUBLE
 
 
 class Operator(RobotLink):
@@ -97,13 +97,14 @@ class Operator(RobotLink):
 
     @property
     def refusal(self) -> Trouble:
-        """Why the robot does not obey this process, and who drives; WELL when it holds the lease."""
+        """Why the robot does not obey this process, and who drives; NO_TROUBLE when it holds the lease."""
         return self._lease.refusal
 
     @property
     def rank_notice(self) -> Trouble:
-        """Why persons take the robot from this operator, with the line to write; WELL where its name is ranked."""
-        return unranked_notice(self.name) if self.name in self._lease.unranked else WELL
+        """Why persons take the robot from this operator, with the line to write; NO_TROUBLE where its name is
+        ranked."""
+        return unranked_notice(self.name) if self.name in self._lease.unranked else NO_TROUBLE
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""
@@ -170,7 +171,7 @@ class Hand(ABC):
         """
 
     def trouble(self, now: float) -> Trouble:
-        """Why the robot does not obey this hand, as far as its own side can tell; WELL: nothing is known."""
+        """Why the robot does not obey this hand, as far as its own side can tell; NO_TROUBLE: nothing is known."""
         asked = self.poll(now)
         return asked.trouble if isinstance(asked, Fault) else self.operator.refusal
 
@@ -197,7 +198,7 @@ class OperatorService:
         self.link = hand.link
         self._ticks, self._leases = io.inbox(TICK, limit=1, wakes=wakes), io.inbox(LEASE, limit=10, wakes=wakes)
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(hand.operator.name))
-        self.timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz)
+        self.timer = EarlyTimer(OPERATOR_CMD_VEL.rate_hz)
         self.timers: tuple[Timer, ...] = (self.timer,)
         self._last: RobotTime | None = None
         self._speaks = False
@@ -205,15 +206,15 @@ class OperatorService:
 
     def turn(self, now: float) -> None:
         if self._hand.read(now):  # before the ticks: what was pressed is of one that was heard before
-            self.timer.hurry("hand", now)
-        self.hear(now)
+            self.timer.fire_now("hand", now)
+        self.read_inboxes(now)
         self.say(now)
 
-    def hear(self, now: float) -> None:
+    def read_inboxes(self, now: float) -> None:
         """The robot's clock, and who drives."""
-        for tick in self._ticks.take():
+        for tick in self._ticks.pop_all():
             self.on_tick(tick, now)
-        for lease in self._leases.take():
+        for lease in self._leases.pop_all():
             self.on_lease(lease, now)
 
     def on_tick(self, tick: Tick, now: float) -> None:
@@ -243,8 +244,8 @@ class OperatorService:
         """A command was given: tell by the service's health why the robot may not obey it."""
         del now
         operator = self._operator
-        self._health.set_notice("hand", asked.trouble if isinstance(asked, Fault) and not asked.is_told else WELL)
-        self._health.set_notice("lease", operator.refusal if operator.has_asked else WELL)
+        self._health.set_notice("hand", asked.trouble if isinstance(asked, Fault) and not asked.is_told else NO_TROUBLE)
+        self._health.set_notice("lease", operator.refusal if operator.has_asked else NO_TROUBLE)
         self._health.set_notice("rank", operator.rank_notice)
 
     def end(self) -> None:
@@ -254,7 +255,7 @@ class OperatorService:
 
 
 def what_stops(own: Trouble, base: BaseState | None, guard: GuardState | None) -> Trouble:
-    """The first link of the chain that stops the robot; WELL: none does.
+    """The first link of the chain that stops the robot; NO_TROUBLE: none does.
 
     `own`: what the operator itself says. None: that one is not heard.
     """

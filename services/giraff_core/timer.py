@@ -39,7 +39,7 @@ class Timer:
         return 0.0 if self._next is None else max(0.0, self._next - now)
 
 
-class PromptTimer(Timer):
+class EarlyTimer(Timer):
     """A fixed rate, and at once what cannot wait for it.
 
     An early turn puts off the next regular one, by a little more than a period: what comes at this very rate makes all
@@ -51,7 +51,7 @@ class PromptTimer(Timer):
         self._early_at: dict[str, float] = {}  # by cause, when the turn that it asks for is due
         self._last: dict[str, float] = {}  # and when it had its last one
 
-    def hurry(self, cause: str, now: float) -> None:
+    def fire_now(self, cause: str, now: float) -> None:
         """Have a turn come now, or `LEAST_GAP` after the last one for this cause."""
         self._early_at.setdefault(cause, max(now, self._last.get(cause, -math.inf) + LEAST_GAP))
 

@@ -5,11 +5,11 @@ sensor is not to switch a relay.
 """
 
 from giraff_gateway.config import GatewayConfig
-from giraff_gateway.policy import LineSplitter, Passing, WriteQueue, wrong_with
+from giraff_gateway.policy import LineSplitter, TimedNotices, WriteQueue, wrong_with
 from giraff_node import Node
 from giraff_node.boards.serial_link import SerialLink
 from giraff_schemas.topics import SERIAL, SERIAL_WRITE
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _TOLD_FOR = 10.0  # s
 
@@ -20,7 +20,7 @@ def main() -> None:
         link = SerialLink(config.port, config.baud)
         splitter = LineSplitter(config.name, config.longest_line)
         queue = WriteQueue(config.longest_line, config.ending)
-        passing = Passing(_TOLD_FOR, "utf-8", "length", "write")
+        passing = TimedNotices(_TOLD_FOR, "utf-8", "length", "write")
         lines, writes = node.publisher(SERIAL.at(config.name)), node.inbox(SERIAL_WRITE.at(config.name))
         for now in node.turns(link=link):
             if link.keep_open(now):
@@ -28,10 +28,10 @@ def main() -> None:
             for line in splitter.feed(link.read()):
                 lines.put(line)
                 for name, trouble in wrong_with(line, config).items():
-                    passing.tell(name, trouble, now)
-            for asked in writes.take():
-                passing.tell("write", queue.put(asked.text), now)
-            passing.tell("write", _write(link, queue), now)
+                    passing.report(name, trouble, now)
+            for asked in writes.pop_all():
+                passing.report("write", queue.put(asked.text), now)
+            passing.report("write", _write(link, queue), now)
             for name, trouble in passing.now(now).items():
                 node.set_notice(name, trouble)
             node.set_fault("port", link.fault)
@@ -40,8 +40,8 @@ def main() -> None:
 def _write(link: SerialLink, queue: WriteQueue) -> Trouble:
     """Go on writing what waits; what became of it, if that is not well."""
     if link.fault:
-        return link.fault.of("texts were not written") if queue.drop() else WELL
+        return link.fault.of("texts were not written") if queue.drop() else NO_TROUBLE
     link.flush()
-    while link.is_idle and (data := queue.take()):
+    while link.is_idle and (data := queue.pop()):
         link.send(data)
-    return WELL
+    return NO_TROUBLE

@@ -9,7 +9,7 @@ from typing import Final
 
 from giraff_gateway.config import GatewayConfig
 from giraff_schemas.messages import SerialLine
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _CR: Final = 0x0D
 _LF: Final = 0x0A
@@ -53,8 +53,8 @@ def wrong_with(line: SerialLine, config: GatewayConfig) -> dict[str, Trouble]:
     """What is wrong with a line that was read, by a word for each."""
     cut = Trouble(f"a line was longer than {config.longest_line} bytes, and is cut")
     return {
-        "utf-8": _NO_TEXT.of(config.port) if line.replaced else WELL,
-        "length": cut.of(config.port) if line.goes_on else WELL,
+        "utf-8": _NO_TEXT.of(config.port) if line.replaced else NO_TROUBLE,
+        "length": cut.of(config.port) if line.goes_on else NO_TROUBLE,
     }
 
 
@@ -79,16 +79,16 @@ class WriteQueue:
         self._waiting: deque[bytes] = deque()
 
     def put(self, text: str) -> Trouble:
-        """Take a text to be written, followed by the ending; WELL, or why it was not taken."""
+        """Take a text to be written, followed by the ending; NO_TROUBLE, or why it was not taken."""
         data = (text + self._ending).encode(errors="replace")
         if len(data) > self._longest:
             return Trouble(f"a text of {len(data)} bytes was not written: longest_line is {self._longest}")
         if len(self._waiting) == self._most:
             return Trouble(f"texts come faster than the board takes them, {self._most} wait", "write less")
         self._waiting.append(data)
-        return WELL
+        return NO_TROUBLE
 
-    def take(self) -> bytes:
+    def pop(self) -> bytes:
         """The oldest text; empty: none waits."""
         return self._waiting.popleft() if self._waiting else b""
 
@@ -99,18 +99,20 @@ class WriteQueue:
         return dropped
 
 
-class Passing:
+class TimedNotices:
     """What has happened and is over at once, told for a while: nobody looks at the right moment."""
 
     def __init__(self, seconds: float, *names: str) -> None:
         self._seconds = seconds
-        self._told: dict[str, tuple[Trouble, float]] = dict.fromkeys(names, (WELL, -math.inf))
+        self._told: dict[str, tuple[Trouble, float]] = dict.fromkeys(names, (NO_TROUBLE, -math.inf))
 
-    def tell(self, name: str, trouble: Trouble, now: float) -> None:
-        """It has happened just now. WELL: it has not."""
+    def report(self, name: str, trouble: Trouble, now: float) -> None:
+        """It has happened just now. NO_TROUBLE: it has not."""
         if trouble:
             self._told[name] = trouble, now
 
     def now(self, now: float) -> dict[str, Trouble]:
-        """By name, what is told now; WELL where nothing has happened lately."""
-        return {name: trouble if now - at <= self._seconds else WELL for name, (trouble, at) in self._told.items()}
+        """By name, what is told now; NO_TROUBLE where nothing has happened lately."""
+        return {
+            name: trouble if now - at <= self._seconds else NO_TROUBLE for name, (trouble, at) in self._told.items()
+        }

@@ -44,7 +44,7 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """s of its holder's fault after which the lease ends."""
     idle_release: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 86_400.0, "s")] = 30.0
     """s of its holder's neutral hand after which the lease ends."""
-    maker_silence: Annotated[float, Tuning.READ_ONLY, Bounds(0.1, 10.0, "s")] = 0.5
+    publisher_timeout: Annotated[float, Tuning.READ_ONLY, Bounds(0.1, 10.0, "s")] = 0.5
     """s of silence after which another base or ranger may take the place of the one that is listened to."""
     priorities: Annotated[dict[str, int], Tuning.READ_ONLY] = msgspec.field(default_factory=PRIORITIES.copy)
     """By operator name: who may take the lease from whom. A larger one may. Where this table does not name them,
@@ -53,7 +53,7 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m/s where no sensor looks."""
     creep_angular: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 5.0, "rad/s")] = 0.35
     """rad/s while the way ahead is blocked."""
-    slowest: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 0.5, "m/s")] = 0.03
+    min_speed: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 0.5, "m/s")] = 0.03
     """m/s; less is a stop."""
     reach: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 20.0, "m")] = 10.0
     """m that `clear` counts for at most, whatever reach the sensor has in the robot file."""
@@ -61,33 +61,33 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """rad; of all ultrasonic sensors, in place of what each has. None: as `[robot.sensors.<name>]` has it."""
     incidence: Annotated[float | None, Tuning.READ_ONLY, Bounds(0.001, math.pi / 2, "rad")] = None
     """rad; as of `half_cone`."""
-    proof_time: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.5, 60.0, "s")] = 10.0
+    trust_full_time: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.5, 60.0, "s")] = 10.0
     """s after a sensor's last plausible echo, up to which its `clear` counts in full."""
-    proof_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 5.0, "m")] = 1.2
+    trust_full_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 5.0, "m")] = 1.2
     """m of way after it, up to which its `clear` counts in full."""
-    proof_turn: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.05, 10.0, "m/rad")] = 0.5
+    trust_full_turn: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.05, 10.0, "m/rad")] = 0.5
     """m of way that a turn counts as, by rad."""
-    fade_time: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.5, 120.0, "s")] = 20.0
-    """s after it, from which on its `clear` is worth `unproved_linear`."""
-    fade_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 10.0, "m")] = 2.0
+    trust_end_time: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.5, 120.0, "s")] = 20.0
+    """s after it, from which on its `clear` is worth `untrusted_speed`."""
+    trust_end_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 10.0, "m")] = 2.0
     """m of way after it, from which on its `clear` is worth that."""
-    unproved_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = 0.145
+    untrusted_speed: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = 0.145
     """m/s towards what only a silent sensor looks at, and to where something was heard until lately."""
-    held_range: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.1, 10.0, "m")] = 2.2
+    silent_range: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.1, 10.0, "m")] = 2.2
     """m from the sensor; a plausible echo within it counts on when its way's sensors fall silent."""
-    held_time: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.5, 120.0, "s")] = 20.0
+    silent_time: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.5, 120.0, "s")] = 20.0
     """s for which it does."""
-    held_radius: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 1.0, "m")] = 0.10
+    silent_radius: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 1.0, "m")] = 0.10
     """m around the spot in which what gave it may stand."""
-    held_beside: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 2.0, "m")] = 0.45
+    silent_beside: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 2.0, "m")] = 0.45
     """m between the footprint and such a spot beside it, within which the robot is slowed too."""
-    held_block: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 60.0, "s")] = 1.0
-    """s of silence for which it may block a way; then it slows it to `unproved_linear`."""
-    near: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 1.0, "m")] = 0.10
+    silent_block: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 60.0, "s")] = 1.0
+    """s of silence for which it may block a way; then it slows it to `untrusted_speed`."""
+    touch_distance: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 1.0, "m")] = 0.10
     """m; an echo lost below it blocks its direction until the robot has moved or turned away."""
-    regain: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.001, 5.0, "m/s")] = 0.12
+    recovery_step: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.001, 5.0, "m/s")] = 0.12
     """m/s that each further reading of the sensor that blocked a way adds to creeping."""
-    agreement: Annotated[float, Tuning.READ_ONLY, Bounds(0.001, 1.0, "m")] = 0.10
+    range_tolerance: Annotated[float, Tuning.READ_ONLY, Bounds(0.001, 1.0, "m")] = 0.10
     """m by which two readings of one surface may differ, besides motion."""
     person_speed: Annotated[float, Tuning.READ_ONLY, Bounds(0.01, 10.0, "m/s")] = 1.0
     """m/s at which what a sensor sees may move."""
@@ -100,7 +100,7 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     memory_travel: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 100.0, "m")] = 2.0
     """m of travel after which it is forgotten."""
     memory_block: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.1, 600.0, "s")] = 8.0
-    """s for which a remembered echo may block a way; then it slows it to `unproved_linear`."""
+    """s for which a remembered echo may block a way; then it slows it to `untrusted_speed`."""
     memory_margin: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 1.0, "m")] = 0.05
     """m kept between the footprint and remembered echoes."""
     sit_room: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.05, 3.0, "m")] = 0.35
@@ -108,15 +108,17 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     def __post_init__(self) -> None:
         check_bounds(self)
-        if self.proof_time >= self.fade_time or self.proof_travel >= self.fade_travel:
+        if self.trust_full_time >= self.trust_end_time or self.trust_full_travel >= self.trust_end_travel:
             raise ValueError(
-                "a sensor's trust ends before it fades: proof_time < fade_time, proof_travel < fade_travel; to lower"
-                " both, begin with proof_time and proof_travel"
+                "a sensor's trust ends before it fades: trust_full_time < trust_end_time,"
+                " trust_full_travel < trust_end_travel; to lower"
+                " both, begin with trust_full_time and trust_full_travel"
             )
-        if self.unproved_linear < self.slowest:
+        if self.untrusted_speed < self.min_speed:
             raise ValueError(
-                f"unproved_linear is {self.unproved_linear:g} m/s and slowest {self.slowest:g} m/s: less than slowest"
-                " is a stop, and nothing would ever be proved: unproved_linear >= slowest"
+                f"untrusted_speed is {self.untrusted_speed:g} m/s and min_speed {self.min_speed:g} m/s:"
+                f" less than min_speed"
+                " is a stop, and nothing would ever be proved: untrusted_speed >= min_speed"
             )
 
     def rank(self, operator: str) -> int:

@@ -7,7 +7,7 @@ from typing import Final
 
 from giraff_schemas.messages import DriveCommand
 from giraff_schemas.topics import OPERATOR_CMD_VEL
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _MOST: Final = 250
 """Commands a second of all operators, whatever they are: three hands beside keys that are held."""
@@ -23,24 +23,24 @@ class FloodWatch:
         self._counts: Counter[str] = Counter()  # by operator: a program may call itself another instance each time
         self._since_ns = 0
         self._in_a_row = 0
-        self._told = WELL
+        self._told = NO_TROUBLE
 
     def count(self, command: DriveCommand, robot_ns: int) -> None:
         """One has come."""
-        self.look(robot_ns)
+        self.judge(robot_ns)
         self._counts[command.operator] += 1
 
-    def look(self, robot_ns: int) -> Trouble:
+    def judge(self, robot_ns: int) -> Trouble:
         """Whose flood it is, by the last whole seconds."""
         if robot_ns - self._since_ns >= _SECOND_NS:
             is_flood = self._counts.total() > _MOST and robot_ns - self._since_ns < 2 * _SECOND_NS
             self._in_a_row = self._in_a_row + 1 if is_flood else 0
-            self._told = self._tell() if self._in_a_row >= _LASTS else WELL
+            self._told = self._describe() if self._in_a_row >= _LASTS else NO_TROUBLE
             self._counts.clear()
             self._since_ns = robot_ns
         return self._told
 
-    def _tell(self) -> Trouble:
+    def _describe(self) -> Trouble:
         operator, count = self._counts.most_common(1)[0]
         whose = f"most of them from {operator}" if 2 * count > self._counts.total() else "under many operators' names"
         return Trouble(

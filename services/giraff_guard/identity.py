@@ -11,7 +11,7 @@ from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import Attitude, Range, RobotTime, Tick, Wheels
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _NOT_ITS_CLOCK: Final = Trouble(
     "base's ticks are late or of another machine's clock", "run giraff_guard on base's machine, unburdened"
@@ -19,33 +19,33 @@ _NOT_ITS_CLOCK: Final = Trouble(
 _NO_BASE: Final = Trouble("base is not heard", "start giraff_base on this machine")
 
 
-class Bond:
+class BoundPublisher:
     """The one process that is listened to for one thing.
 
     Only samples with a fresh tick are shown to it: what a dead process once said, arriving late, is nobody's voice.
     """
 
     def __init__(self, what: str, silence: float) -> None:
-        self.maker = ""
+        self.publisher = ""
         """Instance in charge; empty: none yet."""
         self._what = what
         self._silence = silence
         self._seq = -1
         self._heard_ns = 0
-        self._fault = WELL
+        self._fault = NO_TROUBLE
         self._fault_ns = 0
 
-    def admit(self, maker: str, seq: int, robot_ns: int) -> bool:
+    def admit(self, publisher: str, seq: int, robot_ns: int) -> bool:
         """Whether a fresh sample counts. Another maker takes over once the one in charge is silent."""
-        if maker != self.maker:
-            if self.maker and not self.silent(robot_ns):
-                second = f"a second {self._what}, {maker}, speaks beside {self.maker}"
+        if publisher != self.publisher:
+            if self.publisher and not self.silent(robot_ns):
+                second = f"a second {self._what}, {publisher}, speaks beside {self.publisher}"
                 self._report(Trouble(second, "end one of the two"), robot_ns)
                 return False
-            if self.maker:
-                another = f"another {self._what}, {maker}, took the place of {self.maker}"
+            if self.publisher:
+                another = f"another {self._what}, {publisher}, took the place of {self.publisher}"
                 self._report(Trouble(another, action="hold_level"), robot_ns)
-            self.maker, self._seq = maker, -1
+            self.publisher, self._seq = publisher, -1
         if seq <= self._seq:
             return False
         self._seq = seq
@@ -58,7 +58,7 @@ class Bond:
 
     def fault(self, robot_ns: int) -> Trouble:
         """Why the robot must not move and be armed anew, by what was seen lately."""
-        return self._fault if (robot_ns - self._fault_ns) * 1e-9 <= self._silence else WELL
+        return self._fault if (robot_ns - self._fault_ns) * 1e-9 <= self._silence else NO_TROUBLE
 
     def _report(self, fault: Trouble, robot_ns: int) -> None:
         self._fault, self._fault_ns = fault, robot_ns
@@ -72,9 +72,11 @@ class Identity:
     """
 
     def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
-        self._silence = config.maker_silence
-        self._base = Bond("base", config.maker_silence)
-        self._rangers = {name: Bond(f"ranger for {name}", config.maker_silence) for name in robot.sensor_types}
+        self._silence = config.publisher_timeout
+        self._base = BoundPublisher("base", config.publisher_timeout)
+        self._rangers = {
+            name: BoundPublisher(f"ranger for {name}", config.publisher_timeout) for name in robot.sensor_types
+        }
         self._tick: Tick | None = None
         self._report_seqs: dict[type[Wheels | Attitude], int] = {}
         self._foreign_ns: int | None = None
@@ -128,13 +130,13 @@ class Identity:
     def fault(self, robot_ns: int) -> Trouble:
         """Two of what there may be one of, or one replaced: the robot must be armed anew."""
         found = [fault for bond in (self._base, *self._rangers.values()) if (fault := bond.fault(robot_ns))]
-        *others, last = found or [WELL]
+        *others, last = found or [NO_TROUBLE]
         return msgspec.structs.replace(last, what="; ".join([*map(str, others), last.what]))
 
     def base_fault(self, robot_ns: int) -> Trouble:
         """Why base's clock is not known now."""
         if self._tick is not None and not self._base.silent(robot_ns):
-            return WELL
+            return NO_TROUBLE
         if self._foreign_ns is not None and self._lately(self._foreign_ns, robot_ns):
             return _NOT_ITS_CLOCK
         return _NO_BASE

@@ -8,13 +8,13 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.stopping import fastest, stopping_distance
-from giraff_schemas.messages import Freedom, Verdict
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.messages import Clearance, DirectionLimit
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-Way = Literal["forward", "backward"]
+DriveDirection = Literal["forward", "backward"]
 
-SIGN: Final[dict[Way, float]] = {"forward": 1.0, "backward": -1.0}
-OTHER: Final[dict[Way, Way]] = {"forward": "backward", "backward": "forward"}
+SIGN: Final[dict[DriveDirection, float]] = {"forward": 1.0, "backward": -1.0}
+OTHER: Final[dict[DriveDirection, DriveDirection]] = {"forward": "backward", "backward": "forward"}
 _UNMEASURED: Final = 0.5
 """m/s² that a robot of unknown deceleration is taken to brake with from creeping."""
 
@@ -51,17 +51,17 @@ class Limits:
         config = self.config
         return stopping_distance(speed, config.reaction_time, config.deceleration or _UNMEASURED, config.run_on)
 
-    def block(self, sensor: str, reason: Trouble) -> Verdict:
+    def block(self, sensor: str, reason: Trouble) -> DirectionLimit:
         """Nothing passes."""
-        return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=reason)
+        return DirectionLimit(allowed=0.0, clearance="blocked", sensor=sensor, reason=reason)
 
-    def creep(self, sensor: str, reason: Trouble) -> Verdict:
+    def creep(self, sensor: str, reason: Trouble) -> DirectionLimit:
         """As slowly as where nobody looks."""
         return self.allow(self.config.creep_linear, sensor, reason)
 
-    def allow(self, allowed: float, sensor: str = "", reason: Trouble = WELL) -> Verdict:
+    def allow(self, allowed: float, sensor: str = "", reason: Trouble = NO_TROUBLE) -> DirectionLimit:
         """Up to `allowed` m/s; what the robot cannot do anyway is free."""
         if allowed >= self.most:
-            return Verdict(allowed=self.most, freedom="free", sensor="")
-        freedom: Freedom = "creep" if allowed <= self.config.creep_linear else "slow"
-        return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason)
+            return DirectionLimit(allowed=self.most, clearance="free", sensor="")
+        freedom: Clearance = "creep" if allowed <= self.config.creep_linear else "slow"
+        return DirectionLimit(allowed=allowed, clearance=freedom, sensor=sensor, reason=reason)

@@ -36,7 +36,7 @@ LEVEL: Final = Lean(0.0, 0.0)
 """The lean of a robot on wheels."""
 
 
-class Motion:
+class RecentTravel:
     """Integrates the wheels. Where they are not heard, what was passed on counts as driven."""
 
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
@@ -88,7 +88,7 @@ class Motion:
         while now.robot_ns - self._passed[0][0] > self._live.config.reaction_time * 1e9 and len(self._passed) > 1:
             self._passed.popleft()
 
-    def look(self, now: RobotTime) -> None:
+    def update(self, now: RobotTime) -> None:
         """Bring `heard` and `place` up to now."""
         wheels = self._wheels
         self.heard = wheels is not None and age(wheels.tick, now) <= self._live.config.range_budget

@@ -11,24 +11,26 @@ from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_guard.kinds import Sensed, sources_of
-from giraff_guard.limits import Way
-from giraff_guard.motion import Motion
+from giraff_guard.limits import DriveDirection
+from giraff_guard.motion import RecentTravel
+from giraff_guard.registry import Sensed, sources_of
 from giraff_guard.source import Source
-from giraff_schemas.messages import Attitude, RobotTime, Side, Verdict, Wheels
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.messages import Attitude, DirectionLimit, RobotTime, Side, Wheels
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-_BACK: Final[dict[Way, str]] = {"forward": "back up", "backward": "drive forward"}
-_UNJUDGED: Final = Verdict(allowed=0.0, freedom="blocked", sensor="", reason=Trouble("nothing is judged yet", "wait"))
+_BACK: Final[dict[DriveDirection, str]] = {"forward": "back up", "backward": "drive forward"}
+_UNJUDGED: Final = DirectionLimit(
+    allowed=0.0, clearance="blocked", sensor="", reason=Trouble("nothing is judged yet", "wait")
+)
 
 
 class Verdicts(NamedTuple):
     """What is allowed in each direction now."""
 
-    forward: Verdict
-    backward: Verdict
-    turn_left: Verdict
-    turn_right: Verdict
+    forward: DirectionLimit
+    backward: DirectionLimit
+    turn_left: DirectionLimit
+    turn_right: DirectionLimit
 
 
 class Limited(NamedTuple):
@@ -61,8 +63,8 @@ class Obstacles:
         source = next(heard, None)
         if source is None:
             return False
-        self._motion.look(now)
-        source.take(sample, self._motion, now)
+        self._motion.update(now)
+        source.on_sample(sample, self._motion, now)
         if self._asked == (0.0, 0.0):
             return False
         self.judge(now)
@@ -78,7 +80,7 @@ class Obstacles:
         if self._motion.breaks != breaks:
             for source in self._sources:
                 source.lose_place()
-        self._motion.look(now)
+        self._motion.update(now)
 
     @property
     def travel(self) -> float:
@@ -107,12 +109,12 @@ class Obstacles:
 
     def judge(self, now: RobotTime) -> Verdicts:
         """The verdict for each direction now."""
-        self._motion.look(now)
+        self._motion.update(now)
         forward, backward = (self._straight(way, now) for way in ("forward", "backward"))
         turn = self._turn()
         self._verdicts = Verdicts(
-            forward=self._with_way_out("forward", forward, other=backward),
-            backward=self._with_way_out("backward", backward, other=forward),
+            forward=self._with_remedy("forward", forward, other=backward),
+            backward=self._with_remedy("backward", backward, other=forward),
             turn_left=turn,
             turn_right=turn,
         )
@@ -139,7 +141,7 @@ class Obstacles:
         linear, angular, reason = self._within_the_robots_means(linear_x, angular_z)
         range_tick = None
         if linear != 0.0:
-            way: Way = "forward" if linear > 0.0 else "backward"
+            way: DriveDirection = "forward" if linear > 0.0 else "backward"
             verdict = self._verdicts.forward if linear > 0.0 else self._verdicts.backward
             allowed, why = self._on_this_path(verdict, way, angular / linear, now)
             if allowed == 0.0:
@@ -162,23 +164,23 @@ class Obstacles:
         return Limited(linear, angular, reason, range_tick)
 
     def _begin(self) -> None:
-        self._motion = Motion(self._live, self._robot)
+        self._motion = RecentTravel(self._live, self._robot)
         self._verdicts = Verdicts(_UNJUDGED, _UNJUDGED, _UNJUDGED, _UNJUDGED)
         self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
-        self._passed = Limited(0.0, 0.0, WELL, None)
+        self._passed = Limited(0.0, 0.0, NO_TROUBLE, None)
 
-    def _straight(self, way: Way, now: RobotTime) -> Verdict:
+    def _straight(self, way: DriveDirection, now: RobotTime) -> DirectionLimit:
         """The strictest."""
         verdicts = [source.straight(way, self._motion, now) for source in self._sources]
         return min(verdicts, key=lambda each: each.allowed)
 
-    def _turn(self) -> Verdict:
-        free = Verdict(allowed=self._robot.max_angular_speed, freedom="free", sensor="")
+    def _turn(self) -> DirectionLimit:
+        free = DirectionLimit(allowed=self._robot.max_angular_speed, clearance="free", sensor="")
         return min((source.turn(self._motion) or free for source in self._sources), key=lambda each: each.allowed)
 
-    def _with_way_out(self, way: Way, verdict: Verdict, *, other: Verdict) -> Verdict:
+    def _with_remedy(self, way: DriveDirection, verdict: DirectionLimit, *, other: DirectionLimit) -> DirectionLimit:
         """A blocked verdict with what the operator can do instead."""
-        if verdict.freedom != "blocked":
+        if verdict.clearance != "blocked":
             return verdict
         side = next(filter(None, (source.freer_side(way) for source in self._sources)), "")
         turn = f"turn {side}".strip()
@@ -189,17 +191,19 @@ class Obstacles:
     def _within_the_robots_means(self, linear: float, angular: float) -> tuple[float, float, Trouble]:
         largest = self._robot.max_angular_speed
         if abs(angular) <= largest:
-            return linear, angular, WELL
+            return linear, angular, NO_TROUBLE
         share = largest / abs(angular)
         slower = Trouble(f"slowed: this robot turns at {largest:g} rad/s at most")
         return linear * share, math.copysign(largest, angular), slower
 
-    def _on_this_path(self, verdict: Verdict, way: Way, curvature: float, now: RobotTime) -> tuple[float, Trouble]:
+    def _on_this_path(
+        self, verdict: DirectionLimit, way: DriveDirection, curvature: float, now: RobotTime
+    ) -> tuple[float, Trouble]:
         """The speed along a curve and why: a curve sweeps what straight ahead does not."""
         allowed, why = verdict.allowed, verdict.reason
         for source in self._sources:
             swept = source.curve(way, curvature, self._motion, now)
             if swept is not None and swept[0] < allowed:
                 allowed, why = swept
-                allowed = allowed if allowed >= self._live.config.slowest else 0.0
+                allowed = allowed if allowed >= self._live.config.min_speed else 0.0
         return allowed, why

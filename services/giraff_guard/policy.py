@@ -7,12 +7,12 @@ from typing import Final
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import SENSED
-from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
 from giraff_guard.flood import FloodWatch
 from giraff_guard.identity import Identity
-from giraff_guard.kinds import Sensed
+from giraff_guard.lease_holder import LeaseHolder
 from giraff_guard.obstacles import Obstacles
+from giraff_guard.registry import Sensed
 from giraff_schemas.messages import (
     Attitude,
     DriveCommand,
@@ -25,7 +25,7 @@ from giraff_schemas.messages import (
     Tick,
     Wheels,
 )
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 HEARD: Final = ("wheels", "attitude", "command")
 """Order of the numbers in `GuardedCommand.heard`. Those of the sensors follow, by table and name."""
@@ -41,24 +41,24 @@ class GuardPolicy:
 
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig, first_lease: int) -> None:
         self._identity = Identity(live.config, robot)
-        self._authority = Authority(live, first_lease)
+        self._lease_holder = LeaseHolder(live, first_lease)
         self._obstacles = Obstacles(live, robot)
         self._floods = FloodWatch()
         self._types = robot.sensor_types
         self._replacements = 0  # how often `fault` has come to be
-        self.lost_parameters = WELL
+        self.lost_parameters = NO_TROUBLE
         """A saved limit that may be lost. Nothing passes then."""
-        self.fault = WELL
+        self.fault = NO_TROUBLE
         """Two processes where one may be, as `decide` found it, or a lost limit."""
-        self.flood = WELL
+        self.flood = NO_TROUBLE
         """Whose commands flood the guard, as `decide` found it."""
         self._decided_ns = 0
-        self._reason = WELL
+        self._reason = NO_TROUBLE
 
     @property
     def unranked(self) -> tuple[str, ...]:
         """Operators that have asked to drive, and whose names no table ranks."""
-        return self._authority.unranked
+        return self._lease_holder.unranked
 
     @property
     def travel(self) -> float:
@@ -89,7 +89,7 @@ class GuardPolicy:
     def on_command(self, command: DriveCommand, robot_ns: int) -> bool:
         """Take an operator's command. True: it is a word of who drives, which cannot wait for the next decision."""
         self._floods.count(command, robot_ns)
-        return self._authority.on_command(command, self._identity.now(robot_ns))
+        return self._lease_holder.on_command(command, self._identity.now(robot_ns))
 
     def decide(self, robot_ns: int, heard: tuple[int, ...] = ()) -> GuardedCommand:
         """Return what to let through now. `heard`: the numbers of what was heard, by `HEARD`.
@@ -97,11 +97,11 @@ class GuardPolicy:
         `state` and `lease` describe this decision. They are called only when somebody must be told.
         """
         now = self._identity.now(robot_ns)
-        authority = self._authority
+        authority = self._lease_holder
         authority.review(now)
         before, self.fault = self.fault, self.lost_parameters or self._identity.fault(robot_ns)
         self._replacements += bool(self.fault) and not before
-        self.flood = self._floods.look(robot_ns)
+        self.flood = self._floods.judge(robot_ns)
         self._obstacles.judge(now)
         asked, refusal = self._asked(now)
         wish = (asked.linear_x, asked.angular_z) if asked is not None else (0.0, 0.0)
@@ -134,14 +134,14 @@ class GuardPolicy:
             backward=verdicts.backward,
             turn_left=verdicts.turn_left,
             turn_right=verdicts.turn_right,
-            operator=self._authority.holder,
+            operator=self._lease_holder.holder,
             reason=self._reason,
             sensors={name: SensorState(type=self._types[name], trouble=why) for name, why in sensors.items()},
         )
 
     def lease(self) -> Lease:
         """Return whom the guard obeys, as of the newest decision."""
-        authority = self._authority
+        authority = self._lease_holder
         who = authority.reason(self._identity.now(self._decided_ns))
         return Lease(
             holder=authority.holder,
@@ -154,7 +154,7 @@ class GuardPolicy:
     def _asked(self, now: RobotTime) -> tuple[DriveCommand | None, Trouble]:
         """The operator's command if it counts, else why none does."""
         refusal = self.fault or self._identity.base_fault(now.robot_ns)
-        return (None, refusal) if refusal else self._authority.asked(now)
+        return (None, refusal) if refusal else self._lease_holder.asked(now)
 
 
 def numbers_unheard(robot: RobotConfig) -> dict[str, int]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from giraff_guard.limits import Way
-from giraff_guard.motion import Motion
-from giraff_schemas.messages import RobotTime, Sample, Verdict
+from giraff_guard.limits import DriveDirection
+from giraff_guard.motion import RecentTravel
+from giraff_schemas.messages import DirectionLimit, RobotTime, Sample
 from giraff_schemas.trouble import Trouble
 
 
@@ -24,7 +24,7 @@ class Source(Protocol):
         """The names of its sensors."""
         ...
 
-    def take(self, sample: Any, motion: Motion, now: RobotTime) -> None:
+    def on_sample(self, sample: Any, motion: RecentTravel, now: RobotTime) -> None:
         """A fresh sample of one of its sensors, newer than the last, of the one process that may tell it."""
         ...
 
@@ -39,30 +39,32 @@ class Source(Protocol):
         """Nobody knows where the robot has come to: the wheels could not be followed."""
         ...
 
-    def straight(self, way: Way, motion: Motion, now: RobotTime) -> Verdict:
+    def straight(self, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> DirectionLimit:
         """For driving straight, once a decision. One that is blind blocks its way, or lets the robot creep."""
         ...
 
-    def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> tuple[float, Trouble] | None:
+    def curve(
+        self, way: DriveDirection, curvature: float, motion: RecentTravel, now: RobotTime
+    ) -> tuple[float, Trouble] | None:
         """m/s and why, where a curve (angular_z / linear_x, 1/m) meets what straight ahead does not; None: nowhere."""
         ...
 
-    def room(self, way: Way, motion: Motion, now: RobotTime) -> float:
+    def room(self, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> float:
         """Return m beyond the footprint that are known to be free on this side; 0 where that is not known."""
         ...
 
-    def turn(self, motion: Motion) -> Verdict | None:
+    def turn(self, motion: RecentTravel) -> DirectionLimit | None:
         """For turning in place; None: nothing is in its way."""
         ...
 
-    def relied_on(self, way: Way, now: RobotTime) -> RobotTime | None:
+    def relied_on(self, way: DriveDirection, now: RobotTime) -> RobotTime | None:
         """The oldest of the newest moments that driving this way relies on, robot_ns 0 for one that never came."""
         ...
 
-    def troubles(self, motion: Motion, now: RobotTime) -> dict[str, Trouble]:
+    def troubles(self, motion: RecentTravel, now: RobotTime) -> dict[str, Trouble]:
         """By sensor: why it is not trusted."""
         ...
 
-    def freer_side(self, way: Way) -> str:
+    def freer_side(self, way: DriveDirection) -> str:
         """Where a blocked robot may turn to: left, right, or empty."""
         ...

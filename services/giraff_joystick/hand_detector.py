@@ -17,7 +17,7 @@ from typing import Final
 from giraff_core.live import Live
 from giraff_core.tilt.disturbance import SHAKE_STEPS, Disturbance, falling, shaken
 from giraff_joystick.config import JoystickConfig
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS
 
 Counts = tuple[int, int, int]
@@ -58,11 +58,11 @@ class HandDetector:
         self._lies = False
 
     def alarm(self, counts: Counts) -> Trouble:
-        """Return why no hand's attitude can be read now; WELL when it can."""
+        """Return why no hand's attitude can be read now; NO_TROUBLE when it can."""
         self._readings += 1
         self._repeats = self._repeats + 1 if counts == self._before else 0
         self._before = counts
-        frozen = FROZEN if self._repeats >= FROZEN_READINGS - 1 else WELL
+        frozen = FROZEN if self._repeats >= FROZEN_READINGS - 1 else NO_TROUBLE
         x, y, z = (count / TILT_LSB_PER_M_S2 for count in counts)
         return self._disturbance.judge((x, y, z), self._readings * TILT_PERIOD_MS / 1000, also=frozen)
 
@@ -72,15 +72,15 @@ class HandDetector:
         return self._repeats >= DOUBTED_READINGS - 1
 
     def laid_down(self, counts: Counts, *, deflected: bool) -> Trouble:
-        """Return why a joystick that is read well is in no hand; WELL when it is in one.
+        """Return why a joystick that is read well is in no hand; NO_TROUBLE when it is in one.
 
         `deflected`: the reading would drive. Once it lies it does so until it is level: nothing less would arm the
         robot anyway.
         """
-        self._window.take(counts)
+        self._window.push(counts)
         still_counts = self._live.config.stillness * TILT_LSB_PER_M_S2
         self._lies = deflected and (self._lies or self._window.spread < still_counts)
-        return LAID_DOWN if self._lies else WELL
+        return LAID_DOWN if self._lies else NO_TROUBLE
 
 
 class _Window:
@@ -90,7 +90,7 @@ class _Window:
         self._readings: deque[Counts] = deque()
         self._x = self._y = self._z = self._squares = 0
 
-    def take(self, counts: Counts) -> None:
+    def push(self, counts: Counts) -> None:
         self._readings.append(counts)
         self._add(counts, 1)
         if len(self._readings) > LAID_DOWN_READINGS:

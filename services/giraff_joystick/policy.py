@@ -15,7 +15,7 @@ from giraff_core.tilt.mount import Mount
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.hand_detector import HandDetector
 from giraff_schemas.messages import RobotTime, Tick, Tilt, TiltStatus
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, TickFrame, TiltFrame
 from giraff_schemas.wire import TiltStatus as WireStatus
 
@@ -76,7 +76,7 @@ class JoystickPolicy(Hand):
         self._clutch = Clutch(_CLUTCH)
         self._mount = mount_of(live.config)
         self._readings = 0
-        self.sensor_fault = WELL
+        self.sensor_fault = NO_TROUBLE
         """What is wrong with the tilt sensor, by the newest frame."""
         self._heard = -math.inf
         self._tick: RobotTime | None = None
@@ -101,7 +101,7 @@ class JoystickPolicy(Hand):
         if tilt.tick != self._tick:
             self._tick_came = now
         self._heard, self._tick = now, tilt.tick
-        self.sensor_fault = WELL if tilt.status == "running" else trouble_of(tilt.status, frame)
+        self.sensor_fault = NO_TROUBLE if tilt.status == "running" else trouble_of(tilt.status, frame)
         if self.sensor_fault:
             self._asks = Fault(self.sensor_fault, self._tick, is_told=True)
         else:
@@ -124,7 +124,7 @@ class JoystickPolicy(Hand):
         if self._hand.may_be_frozen:
             self._clutch.forget()  # the hand may have another attitude by now
         self._readings += 1
-        self._clutch.take(vector, self._readings * TILT_PERIOD_MS / 1000, pressed=bool(frame.button))
+        self._clutch.on_reading(vector, self._readings * TILT_PERIOD_MS / 1000, pressed=bool(frame.button))
         linear, angular = asked(self._clutch.relative(vector), self._live.config, self._robot)
         if self._clutch.engaged:
             linear = angular = 0.0
@@ -141,7 +141,7 @@ class JoystickPolicy(Hand):
     def _link_fault(self, now: float) -> Trouble:
         if self._tick is None:
             return _NO_TICK
-        return _OLD_TICK if now - self._tick_came > LINK_SILENCE else WELL
+        return _OLD_TICK if now - self._tick_came > LINK_SILENCE else NO_TROUBLE
 
     def _silent(self, now: float) -> bool:
         return now - self._heard > BOARD_SILENCE

@@ -36,7 +36,7 @@ class Joystick(OperatorService):
         for frame in self._board.poll(now):
             if isinstance(frame, TiltFrame):
                 self._tilts.put(self._policy.on_frame(frame, now))
-                self.timer.hurry("tilt", now)
+                self.timer.fire_now("tilt", now)
         super().turn(now)
 
     def on_tick(self, tick: Tick, now: float) -> None:

@@ -58,7 +58,7 @@ class KeyReader:
         """The keys in `data`, at most one beside STOP. `now`: s, of a monotonic clock."""
         slept = self._looked is None or now - self._looked > ASLEEP
         self._looked = now
-        presses = [key for byte in data if (key := self._take(byte)) is not None]
+        presses = [key for byte in data if (key := self._on_byte(byte)) is not None]
         if not presses:
             return []
         keys = [Key.STOP] if Key.STOP in presses else []  # a stop counts in whatever company it comes
@@ -68,7 +68,7 @@ class KeyReader:
             return [*keys, Key.NOTHING]
         return keys or presses
 
-    def _take(self, byte: int) -> Key | None:
+    def _on_byte(self, byte: int) -> Key | None:
         """The press that `byte` completes: NOTHING for one that means nothing, None while there is none yet."""
         if byte == _SPACE:
             self._within = _Within.NOTHING

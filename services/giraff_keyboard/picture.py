@@ -79,7 +79,7 @@ class DrivePicture:
     driver: str
     """Whom the guard obeys; empty: nobody."""
     why: Trouble
-    """What stops the robot. WELL: nothing does."""
+    """What stops the robot. NO_TROUBLE: nothing does."""
     stop: Trouble
     """What became of an emergency stop, or of its release, that was asked for here."""
     step: int
@@ -187,7 +187,7 @@ def _directions(snapshot: Snapshot) -> Iterator[Paragraph]:
         head, why = Text.assemble((f"{label:<{_DIRECTION}}", "dim")), "the guard is not heard"
         if seen is not None and seen.fresh:
             verdict = verdicts(seen.sample)[number][1]
-            head.append(f"{verdict.freedom:<8}", style=blocks.FREEDOM_STYLE[verdict.freedom])
+            head.append(f"{verdict.clearance:<8}", style=blocks.CLEARANCE_STYLE[verdict.clearance])
             unit = "rad/s" if label.startswith("turn") else "m/s"
             head.append(f"{verdict.allowed:.2f} {unit:<6}", style="default")
             why = verdict.reason.line(KEYS)

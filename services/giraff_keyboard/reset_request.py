@@ -13,7 +13,7 @@ from giraff_core.estop.release import EStopRelease
 from giraff_core.estop.request import Request
 from giraff_keyboard.policy import Key
 from giraff_schemas.messages import EStop, RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 READ_FIRST: Final = 0.5
 """s after the question within which a yes is no answer to it: words that are typed have R and Y, too."""
@@ -51,7 +51,7 @@ class ResetRequest(EStopRelease):
 
     def on_key(self, key: Key, moment: RobotTime | None, now: float, *, stopping: bool) -> None:
         """Take a press. `moment`: the robot's time now, None while it is lost; `stopping`: a stop is not confirmed."""
-        question, self._question, self.outcome = self._question, None, WELL
+        question, self._question, self.outcome = self._question, None, NO_TROUBLE
         if key is Key.STOP:
             self.withdraw()  # who wants a stop wants no release any more
         elif stopping or self.is_asked:
@@ -63,7 +63,7 @@ class ResetRequest(EStopRelease):
 
     def poll(self, now: float) -> bool:
         if self._question is not None and now - self._question.asked > ASKS_FOR:
-            self._question, self.outcome = None, WELL
+            self._question, self.outcome = None, NO_TROUBLE
         return super().poll(now)
 
     def _ask_person(self, now: float) -> None:
@@ -95,7 +95,7 @@ class ResetRequest(EStopRelease):
             several = f"Nothing is released: {len(states)} bases have this robot's name"
             return None, Trouble(several, "end all but one")
         [state] = states
-        return (state, WELL) if state.engaged else (None, _NOT_ENGAGED)
+        return (state, NO_TROUBLE) if state.engaged else (None, _NOT_ENGAGED)
 
 
 def _identity(latch: EStop) -> tuple[str, int, int]:

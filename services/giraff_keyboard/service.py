@@ -41,7 +41,7 @@ class Screen(Selectable, Protocol):
     @property
     def is_gone(self) -> bool: ...
     def read(self) -> bytes: ...
-    def take(self, sample: Sample, now: float) -> None: ...
+    def on_sample(self, sample: Sample, now: float) -> None: ...
     def show(self, policy: KeyboardPolicy, stop: Trouble, now: float) -> None: ...
 
 
@@ -80,13 +80,13 @@ class Keyboard(OperatorService):
             return
         for key in pressed:
             policy.on_key(key, now)
-            self.timer.hurry("key", now)
+            self.timer.fire_now("key", now)
             if key is Key.STOP:
                 self.stopping.engage(off=self._hold.on_stop(now))
             self._resetting.on_key(key, policy.moment(now), now, stopping=self.stopping.asked)
-        self.hear(now)
-        for sample in (sample for inbox in self._told for sample in inbox.take()):
-            self._screen.take(sample, now)
+        self.read_inboxes(now)
+        for sample in (sample for inbox in self._told for sample in inbox.pop_all()):
+            self._screen.on_sample(sample, now)
             self.stopping.on_sample(sample)
             self._resetting.on_sample(sample, now)
         self._resetting.poll(now)
@@ -98,7 +98,7 @@ class Keyboard(OperatorService):
 
     def ask_on(self, now: float) -> None:
         """Go on asking for a stop after the last turn."""
-        for sample in (sample for inbox in self._told for sample in inbox.take()):
+        for sample in (sample for inbox in self._told for sample in inbox.pop_all()):
             self.stopping.on_sample(sample)
         self.stopping.poll(now)
 

@@ -45,7 +45,7 @@ class Terminal:
 
     def __init__(self, view: DriveView, on_failure: Callable[[BaseException], None]) -> None:
         """`on_failure`: told in another thread of what keeps the picture from being drawn: an old one must not stay."""
-        self.topics, self.take = view.topics, view.take
+        self.topics, self.on_sample = view.topics, view.on_sample
         self._view = view
         self._input = sys.stdin.fileno()
         self.is_gone = False

@@ -22,7 +22,7 @@ class DriveView:
         """`sensors`: of the robot, in the order of its file."""
         self._robot = robot
         self._telemetry = Telemetry(sensors)
-        self.take = self._telemetry.take
+        self.on_sample = self._telemetry.add
         self._began: float | None = None
 
     def draw(self, policy: KeyboardPolicy, stop: Trouble, now: float) -> DrivePicture:

@@ -18,7 +18,7 @@ from giraff_core.kinematics.calibration import cholesky
 from giraff_core.robot import RobotConfig
 from giraff_localization.free_space import Floats, FreeSpace
 from giraff_localization.range_table import RangeTable
-from giraff_localization.way import Stride
+from giraff_localization.track import Stride
 
 _DRIFT: Final = 0.06
 """Of their standard deviation, by which the scales wander in a metre: no wheel is the same on every floor."""

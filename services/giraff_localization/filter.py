@@ -1,4 +1,5 @@
-"""One search for the robot: particles, a challenger, twins, and the judgement of whether it is known where it is.
+"""One search for the robot: particles, a restart cloud, equivalent places, and the judgement of whether it is known
+where it is.
 
 D. Fox, W. Burgard, F. Dellaert, S. Thrun, Monte Carlo Localization: Efficient Position Estimation for Mobile Robots,
 AAAI 1999; here with the wheels' scales in each particle, and a judge of its own.
@@ -13,21 +14,21 @@ import numpy as np
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
-from giraff_localization.challenger import Challenger
 from giraff_localization.cloud import Beam, Cloud
 from giraff_localization.clusters import Cluster, clusters, whole
 from giraff_localization.config import LocalizationConfig
+from giraff_localization.equivalent_places import EquivalentPlaces
 from giraff_localization.fit import RECENT, Fit, compare
 from giraff_localization.floor import Floor
 from giraff_localization.judgement import Fits, Judgement
-from giraff_localization.twins import Twins
-from giraff_localization.way import Stride
+from giraff_localization.restart_cloud import RestartCloud
+from giraff_localization.track import Stride
 
 _WIDE: Final = 0.5
 """m or rad, of a pose that somebody told: one that is less sure takes more particles."""
 
 
-class Told(NamedTuple):
+class GivenPose(NamedTuple):
     """Where somebody says that the robot is."""
 
     pose: Pose
@@ -44,13 +45,13 @@ class Filter:
     """Begins anywhere, or where it is told. The same seed gives the same search."""
 
     def __init__(
-        self, floor: Floor, config: LocalizationConfig, robot: RobotConfig, seed: int, told: Told | None = None
+        self, floor: Floor, config: LocalizationConfig, robot: RobotConfig, seed: int, told: GivenPose | None = None
     ) -> None:
         self._floor, self._config, self._robot = floor, config, robot
         self._random = np.random.default_rng(seed)
         self._cloud = self._anywhere(config.most_particles) if told is None else self._about(told)
-        self._challenger = Challenger(self._anywhere, config.most_particles // 2)
-        self._twins = Twins(floor)
+        self._restart_cloud = RestartCloud(self._anywhere, config.most_particles // 2)
+        self._equivalent_places = EquivalentPlaces(floor)
         self._fit, self._recent = Fit(), Fit(RECENT)
         self._total = 0.0
         self.best: Cluster | None = None
@@ -75,9 +76,9 @@ class Filter:
 
     def update(self, stride: Stride, beams: Sequence[Beam]) -> Iterator[None]:
         """Take one stride and what was heard on it, in parts."""
-        floor, challenger = self._floor, self._challenger
-        challenger.begin(self._cloud, self._total)
-        for cloud in (self._cloud, challenger.cloud):
+        floor, restart_cloud = self._floor, self._restart_cloud
+        restart_cloud.begin(self._cloud, self._total)
+        for cloud in (self._cloud, restart_cloud.cloud):
             if cloud is not None:
                 cloud.move(stride)
                 cloud.weigh(beams, floor.table, floor.model)
@@ -85,14 +86,14 @@ class Filter:
         self._cloud.resample(self._config.least_particles, self._config.most_particles)
         self._total += stride.effort
         before = self._cloud
-        self._cloud = challenger.judge(before, stride.effort)
+        self._cloud = restart_cloud.judge(before, stride.effort)
         if self._cloud is not before:
             self._fit, self._recent = Fit(), Fit(RECENT)
             self.judgement.begin_anew()
         yield
         found = clusters(self._cloud)
         self.best = found[0] if found else None
-        rivals = clusters(challenger.cloud) if challenger.is_settled and challenger.cloud is not None else []
+        rivals = clusters(restart_cloud.cloud) if restart_cloud.is_settled and restart_cloud.cloud is not None else []
         if self.best is not None:
             counts = compare(floor, self.best.pose, beams)
             self._fit.add(counts, stride.effort)
@@ -100,8 +101,8 @@ class Filter:
             self._unheard = 0.0 if counts.total else self._unheard + stride.effort
         known = self.judgement.state == "localized" or len(self.judgement.candidates) > 1
         fits = Fits(self._fit.forgiving, self._recent.forgiving, self._unheard)
-        self.judgement.judge(found, rivals, fits, challenger.lead, self._twins.poses, stride)
-        self._twins.follow(
+        self.judgement.judge(found, rivals, fits, restart_cloud.lead, self._equivalent_places.poses, stride)
+        self._equivalent_places.follow(
             None if self.best is None else self.best.pose,
             stride,
             beams,
@@ -112,7 +113,7 @@ class Filter:
     def _anywhere(self, count: int) -> Cloud:
         return Cloud(self._floor.space, self._robot, self._floor.space.anywhere(count, self._random), self._random)
 
-    def _about(self, told: Told) -> Cloud:
+    def _about(self, told: GivenPose) -> Cloud:
         count = self._config.most_particles if told.is_wide else self._config.least_particles
         sds = np.array([told.position_sd, told.position_sd, told.yaw_sd])[:, None]
         poses = np.array(told.pose)[:, None] + sds * self._random.normal(0.0, 1.0, (3, count))

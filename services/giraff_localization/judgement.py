@@ -1,8 +1,9 @@
 """Whether it is known where the robot is.
 
 `localized` takes all of these, on some metres: one narrow cluster with nearly all particles; readings that it explains;
-no challenger ahead; a challenger that began anywhere and came to the same place, unless somebody told it; no twin left.
-A place that somebody has told is `told` until then, for some metres, and while nothing contradicts it.
+no restart cloud ahead; a restart cloud that began anywhere and came to the same place, unless somebody told it; no
+equivalent place left. A place that somebody has told is `told` until then, for some metres, and while nothing
+contradicts it.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.clusters import Cluster, are_near
-from giraff_localization.way import Stride
+from giraff_localization.track import Stride
 from giraff_schemas.localization import Candidate, LocalizationState
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _MASS: Final = 0.95
 _SPREAD: Final = 0.35
@@ -26,7 +27,7 @@ _HELD_TOLD: Final = 2.0
 """m on which all of it must hold; less where somebody has told where it is."""
 _AGREES: Final = 0.9
 _BEHIND: Final = -0.5
-"""Nats that a challenger may be ahead."""
+"""Nats that a restart cloud may be ahead."""
 
 _KEEP_MASS: Final = 0.8
 _KEEP_SPREAD: Final = 0.6
@@ -117,10 +118,10 @@ class Judgement:
         rivals: Sequence[Cluster],
         fits: Fits,
         lead: float,
-        twins: Sequence[Pose],
+        equivalents: Sequence[Pose],
         stride: Stride,
     ) -> None:
-        """After an update. `rivals`: of a challenger that has settled."""
+        """After an update. `rivals`: of a restart cloud that has settled."""
         best = found[0] if found else None
         self._long_fit += (fits.long - self._long_fit) * (1.0 - math.exp(-stride.effort / _LONG))
         self._is_deaf = fits.unheard > _UNHEARD
@@ -133,13 +134,13 @@ class Judgement:
         if self.state == "localized":
             if not _holds(best, _KEEP_SPREAD, lead) or not _is_heard(fits):
                 self._leave()
-        elif self._held > (_HELD_TOLD if self._was_told else _HELD) and self._agreed and not twins:
+        elif self._held > (_HELD_TOLD if self._was_told else _HELD) and self._agreed and not equivalents:
             self.state, self._was_known = "localized", True
         if self.state == "localized":
             self.way, self.candidates, self.others = 0.0, [], []
             return
         self.way += stride.way
-        self._list(found, rivals, twins, fits)
+        self._list(found, rivals, equivalents, fits)
         is_heard = _is_heard(fits) or self._told_left > _TOLD_HOLDS - _UNJUDGED
         if self.state == "ambiguous" or not _holds(best, _TOLD_SPREAD, lead) or not is_heard:
             self._told_left = 0.0
@@ -150,7 +151,7 @@ class Judgement:
     def reason(self) -> Trouble:
         """Why it is not known."""
         if self.state == "localized":
-            return WELL
+            return NO_TROUBLE
         if self._is_deaf:
             return _HEARS_NOTHING
         if self.way > _WRONG_MAP and self._long_fit < _EXPLAINS:
@@ -167,23 +168,25 @@ class Judgement:
         self._was_told = self._agreed = False
         self._told_left = 0.0
 
-    def _list(self, found: Sequence[Cluster], rivals: Sequence[Cluster], twins: Sequence[Pose], fits: Fits) -> None:
+    def _list(
+        self, found: Sequence[Cluster], rivals: Sequence[Cluster], equivalents: Sequence[Pose], fits: Fits
+    ) -> None:
         places = [(each.pose, each.mass) for each in found if _is_candidate(each)]
         together = sum(mass for _, mass in places)
         for rival in rivals:
             if _is_candidate(rival) and _is_new(rival.pose, places):
                 places.append((rival.pose, rival.mass))
         self.others = [pose for pose, _ in places if found and not found[0].is_near(pose)]
-        for twin in twins:
-            if _is_new(twin, places):
-                places.append((twin, 0.0))
+        for equivalent in equivalents:
+            if _is_new(equivalent, places):
+                places.append((equivalent, 0.0))
         self.candidates = [Candidate(x=pose.x, y=pose.y, yaw=pose.yaw, belief=mass) for pose, mass in places]
         is_all = fits.long >= _CANDIDATE_FIT and fits.unheard <= _UNHEARD and together > _TOGETHER
         self.state = "ambiguous" if is_all and len(places) > 1 else "lost"
 
 
 def _holds(best: Cluster | None, spread: float, lead: float) -> bool:
-    """Tell whether nearly all particles are in one place, and no challenger is ahead."""
+    """Tell whether nearly all particles are in one place, and no restart cloud is ahead."""
     return best is not None and best.mass >= _KEEP_MASS and best.spread <= spread and lead >= _KEEP_BEHIND
 
 

@@ -17,10 +17,10 @@ from giraff_core.kinematics.dead_reckoning import wrapped
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_localization.config import LocalizationConfig
-from giraff_localization.filter import Filter, Told
+from giraff_localization.filter import Filter, GivenPose
 from giraff_localization.floor import Floor
 from giraff_localization.readings import Readings
-from giraff_localization.way import RobotWay
+from giraff_localization.track import Track
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.localization import (
@@ -34,7 +34,7 @@ from giraff_schemas.localization import (
     PlanarPose,
 )
 from giraff_schemas.messages import Odometry, Range
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _STEP: Final = 0.1
 """m from one update to the next: a robot that stands learns nothing."""
@@ -69,11 +69,11 @@ class LocalizationPolicy:
         self._building = None if self._floor is None else self._floor.build()
         self._filter: Filter | None = None
         self._updating: Iterator[None] | None = None
-        self._way = RobotWay()
+        self._track = Track()
         self._is_silent = False
         self._granted: deque[tuple[str, int]] = deque(maxlen=_REMEMBERED)
         self._searches = 0
-        self._updated_at = self._way_in_map = _ORIGIN
+        self._updated_at = self._track_in_map = _ORIGIN
         """The one is where in the frame of the way the newest update was, the other where that frame is in `map`."""
         self._covariance = _NOWHERE
         self._transform: Transform | None = None
@@ -81,11 +81,11 @@ class LocalizationPolicy:
 
     def on_odometry(self, odometry: Odometry) -> None:
         """Take where the robot is in `odom`."""
-        last = self._way.last
-        self._way.on_odometry(odometry)
-        if self._is_silent or last is None or last.origin != odometry.origin:
+        last = self._track.last
+        self._track.on_odometry(odometry)
+        if self._is_silent or last is None or last.segment != odometry.segment:
             self._is_silent = False
-            self._tell()
+            self._update_transform()
 
     def on_range(self, reading: Range) -> None:
         """Take what a sensor has heard."""
@@ -94,7 +94,7 @@ class LocalizationPolicy:
 
     def on_set_pose(self, request: LocalizationSetPose) -> LocalizationAnswer:
         """Take where somebody says that it is."""
-        told = Told(Pose(request.x, request.y, wrapped(request.yaw)), request.position_sd, request.yaw_sd)
+        told = GivenPose(Pose(request.x, request.y, wrapped(request.yaw)), request.position_sd, request.yaw_sd)
         return self._search(("set_pose", request.id), told)
 
     def on_global(self, request: LocalizationGlobal) -> LocalizationAnswer:
@@ -107,8 +107,8 @@ class LocalizationPolicy:
 
     @property
     def no_map(self) -> Trouble:
-        """Why there is no map; WELL also while it is still read."""
-        return self._no_map if self._floor is None else WELL
+        """Why there is no map; NO_TROUBLE also while it is still read."""
+        return self._no_map if self._floor is None else NO_TROUBLE
 
     def work(self) -> bool:
         """Do a part of what is to be computed, in some hundredths of a second; whether more may be left."""
@@ -122,19 +122,19 @@ class LocalizationPolicy:
                 self._updating = None
                 self._settle(self._filter)
             return True
-        self._readings.place(self._way)
-        if self._way.way < _STEP and self._way.turned < _TURN and not self._way.has_missed:
+        self._readings.place(self._track)
+        if self._track.way < _STEP and self._track.turned < _TURN and not self._track.has_missed:
             return False
-        self._updated_at = here = self._way.pose
-        stride = self._way.take()
-        self._updating = self._filter.update(stride, self._readings.take(here, stride.effort))
+        self._updated_at = here = self._track.pose
+        stride = self._track.pop_stride()
+        self._updating = self._filter.update(stride, self._readings.pop_beams(here, stride.effort))
         return True
 
     def pose(self) -> MapPose:
         """Where it is now, by the last update and odometry since."""
         search, name = self._filter, "" if self._floor is None else self._floor.plan.name
         here, odom = self._here, self._odom_in_map
-        last, reason = self._way.last, self._reason
+        last, reason = self._track.last, self._reason
         judgement = None if search is None else search.judgement
         return MapPose(
             state=self._state,
@@ -184,11 +184,11 @@ class LocalizationPolicy:
     @property
     def _here(self) -> Pose:
         """`base_link` in `map`."""
-        return self._way.pose.placed_in(self._way_in_map)
+        return self._track.pose.placed_in(self._track_in_map)
 
     @property
     def _odom_in_map(self) -> Pose:
-        last = self._way.last
+        last = self._track.last
         if last is None:
             return _ORIGIN
         return _origin_in(self._here, Pose(last.x, last.y, last.yaw))
@@ -200,7 +200,7 @@ class LocalizationPolicy:
         self._building = None
         self._begin_search(floor, None)
 
-    def _search(self, wish: tuple[str, int], told: Told | None) -> LocalizationAnswer:
+    def _search(self, wish: tuple[str, int], told: GivenPose | None) -> LocalizationAnswer:
         if wish in self._granted:
             return LocalizationAnswer(done=True)
         if self._floor is None or self._filter is None:
@@ -211,24 +211,24 @@ class LocalizationPolicy:
         self._begin_search(self._floor, told)
         return LocalizationAnswer(done=True)
 
-    def _begin_search(self, floor: Floor, told: Told | None) -> None:
+    def _begin_search(self, floor: Floor, told: GivenPose | None) -> None:
         self._searches += 1
         self._filter = Filter(floor, self._config, self._robot, self._seed + self._searches, told)
         self._updating = None
         self._readings = Readings(self._robot.sensors, floor.reach, floor.table.bin)
-        self._way.take()
+        self._track.pop_stride()
         begun = self._filter.begun
-        self._way_in_map, self._covariance = _origin_in(begun.pose, self._way.pose), begun.covariance
-        self._tell()
+        self._track_in_map, self._covariance = _origin_in(begun.pose, self._track.pose), begun.covariance
+        self._update_transform()
 
     def _settle(self, search: Filter) -> None:
         """After an update."""
         if (best := search.best) is not None:
-            self._way_in_map, self._covariance = _origin_in(best.pose, self._updated_at), best.covariance
-        self._tell()
+            self._track_in_map, self._covariance = _origin_in(best.pose, self._updated_at), best.covariance
+        self._update_transform()
 
-    def _tell(self) -> None:
-        last = self._way.last
+    def _update_transform(self) -> None:
+        last = self._track.last
         if self._state != "localized" or last is None:
             self._transform = None
             return
@@ -261,7 +261,7 @@ def _origin_in(frame: Pose, pose: Pose) -> Pose:
     return _ORIGIN.seen_from(pose).placed_in(frame)
 
 
-def _refusal(told: Told, floor: Floor) -> Trouble:
+def _refusal(told: GivenPose, floor: Floor) -> Trouble:
     """Why the robot cannot be there."""
     try:
         for name, bounds in _SETTABLE.items():

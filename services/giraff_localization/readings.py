@@ -11,7 +11,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
 from giraff_localization.cloud import Beam
 from giraff_localization.range_table import CLEAR
-from giraff_localization.way import RobotWay
+from giraff_localization.track import Track
 from giraff_schemas.messages import Range, RobotTime
 
 _EXPONENT: Final = 0.2
@@ -41,7 +41,7 @@ class Readings:
         if reading.sensor in self._mounts and reading.state != "fault" and reading.tick is not None:
             self._waiting.append((reading.tick, reading.sensor, self._in_bins(reading)))
 
-    def place(self, way: RobotWay) -> None:
+    def place(self, way: Track) -> None:
         """Put those to their places that odometry has reached."""
         for _ in range(len(self._waiting)):
             tick, sensor, heard = self._waiting.popleft()
@@ -50,7 +50,7 @@ class Readings:
             elif (pose := way.at(tick)) is not None:
                 self._heard[sensor].append((pose, heard))
 
-    def take(self, here: Pose, effort: float) -> list[Beam]:
+    def pop_beams(self, here: Pose, effort: float) -> list[Beam]:
         """Those since the last time, as seen from the robot where it is now; `effort`: m it has come, turns counted."""
         beams = []
         for sensor, heard in self._heard.items():

@@ -21,7 +21,7 @@ from giraff_schemas.topics import (
     POSE,
     RANGE,
 )
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 SILENCE: Final = 1.0
 """s without a sample that is worth a word."""
@@ -51,17 +51,17 @@ class Localization:
 
     def turn(self, now: float) -> None:
         policy = self._policy
-        for odometry in self._odometry.take():
+        for odometry in self._odometry.pop_all():
             self._heard["odom"] = now
             policy.on_odometry(odometry)
-        for reading in self._ranges.take():
+        for reading in self._ranges.pop_all():
             self._heard["range"] = now
             policy.on_range(reading)
         if now - self._heard["odom"] > SILENCE:
             policy.on_silence()
-        for told in self._poses.take():
+        for told in self._poses.pop_all():
             told.answer(policy.on_set_pose(told.request))
-        for wish in self._globals.take():
+        for wish in self._globals.pop_all():
             wish.answer(policy.on_global(wish.request))
         policy.work()
         if self._pose_timer.due(now):
@@ -72,7 +72,7 @@ class Localization:
             self._map.put(policy.walls())
         for topic, service in _SPOKEN_BY.items():
             silent = Trouble(f"no {topic} is heard", f"check that giraff_{service} runs")
-            self._io.set_notice(topic, silent if now - self._heard[topic] > SILENCE else WELL)
+            self._io.set_notice(topic, silent if now - self._heard[topic] > SILENCE else NO_TROUBLE)
         self._io.set_fault("map", policy.no_map)
 
     def end(self) -> None:

@@ -101,7 +101,7 @@ def look_through(file: IO[bytes]) -> Layout:
             # It follows a chunk always, so this is one whose first byte is damaged.
             found.parts.append(Part(before, position - before, chunks.get(before, 0), in_chunk=True))
         is_end = opcode == Opcode.DATA_END and size == 4
-        if is_end or not _is_known(opcode) or after > end or not _take(file, opcode, position, size, found):
+        if is_end or not _is_known(opcode) or after > end or not _note_record(file, opcode, position, size, found):
             # The record before may have led astray: its length may be what is damaged.
             next_chunk = _next_chunk(file, before + 1, end, chunks)
             if is_end and next_chunk == end:
@@ -148,7 +148,7 @@ def _is_known(opcode: int) -> bool:
     return opcode >= _PRIVATE or opcode in Opcode.__members__.values()
 
 
-def _take(file: IO[bytes], opcode: int, position: int, size: int, found: Layout) -> bool:
+def _note_record(file: IO[bytes], opcode: int, position: int, size: int, found: Layout) -> bool:
     """Note a record of the part of a file that holds data; False: it is damaged."""
     record, after = position + _RECORD.size, position + _RECORD.size + size
     if size > _LARGEST and opcode in {Opcode.CHUNK, Opcode.MESSAGE, Opcode.CHANNEL, Opcode.METADATA}:

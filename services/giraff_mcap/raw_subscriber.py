@@ -46,7 +46,7 @@ def lower_priority() -> None:
 
 
 class RawSubscriber:
-    """Listens from the beginning of its life; `take` from one thread only."""
+    """Listens from the beginning of its life; `pop_all` from one thread only."""
 
     def __init__(self, session: zenoh.Session, keys: Iterable[str]) -> None:
         """`session`: of the recorder alone."""
@@ -67,7 +67,7 @@ class RawSubscriber:
         """Samples that came and could not wait any longer."""
         return max(0, self._came - self._taken - len(self._waiting))
 
-    def take(self) -> list[RawSample]:
+    def pop_all(self) -> list[RawSample]:
         """What has come since the last call."""
         came = [self._waiting.popleft() for _ in range(len(self._waiting))]
         self._taken += len(came)

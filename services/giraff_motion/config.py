@@ -18,7 +18,7 @@ class MotionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     turn_speed: Annotated[float, Tuning.FREE, Bounds(0.05, 20.0, "rad/s")] = 0.6
     """rad/s at most on the spot, of a motion that names no other."""
     least_speed: Annotated[float, Tuning.FREE, Bounds(0.01, 1.0, "m/s")] = 0.06
-    """m/s, by which it comes to its end; more than `[guard] slowest`."""
+    """m/s, by which it comes to its end; more than `[guard] min_speed`."""
     least_turn_speed: Annotated[float, Tuning.FREE, Bounds(0.02, 5.0, "rad/s")] = 0.2
     """rad/s; the same on the spot."""
     deceleration: Annotated[float, Tuning.FREE, Bounds(0.05, 5.0, "m/s²")] = 0.4

@@ -8,12 +8,12 @@ from typing import Final
 
 from giraff_core.kinematics.pose import Pose
 from giraff_motion.driver import STANDS, Coast, Driver, Rest
+from giraff_motion.route import Route
 from giraff_motion.travel import Travel
-from giraff_motion.way import Way
-from giraff_schemas.messages import Direction, GuardState, Odometry, RobotTime, Verdict
+from giraff_schemas.messages import Direction, DirectionLimit, GuardState, Odometry, RobotTime
 from giraff_schemas.motion import MotionRequest, MotionState, Outcome, Stage
 from giraff_schemas.text import brief
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _RESTS_WITHIN: Final = 1.5
 """s"""
@@ -32,10 +32,10 @@ class _Delay:
 
     def __init__(self) -> None:
         self.turns = 0
-        self.trouble = WELL
+        self.trouble = NO_TROUBLE
 
     def note(self, trouble: Trouble) -> None:
-        """Take its reason in this turn. WELL: it does not slow the motion."""
+        """Take its reason in this turn. NO_TROUBLE: it does not slow the motion."""
         if trouble:
             self.turns, self.trouble = self.turns + 1, trouble
 
@@ -46,7 +46,7 @@ class Goal:
     def __init__(
         self,
         request: MotionRequest,
-        way: Way,
+        way: Route,
         travel: Travel,
         rest: Rest,
         coasts: Mapping[bool, Coast],
@@ -68,7 +68,7 @@ class Goal:
         self.stage: Stage = "arming"
         self.outcome: Outcome = ""
         self.reason = _ARMS
-        self._way = way
+        self._route = way
         self._travel = travel
         self._rest = rest
         self._coasts = coasts
@@ -76,7 +76,7 @@ class Goal:
         self._driver: Driver | None = None
         self._level_since: float | None = None
         self._blocked_since: float | None = None
-        self._blocked: Verdict | None = None
+        self._blocked: DirectionLimit | None = None
         self._stopping_since: float | None = None
         self._turns = 0  # in which it moved
         self._base = _Delay()
@@ -93,27 +93,27 @@ class Goal:
 
     @property
     def has_arrived(self) -> bool:
-        return self._way.is_done
+        return self._route.is_done
 
     @property
     def needs_map(self) -> bool:
         """Whether what is left of it goes by where the robot is on the map."""
-        return self._way.needs_map
+        return self._route.needs_map
 
     def follow(self, odom: Pose) -> Trouble:
         """Go by where `odom` is in `map` now, or say why it cannot."""
-        if (jump := self._way.jump(odom, self.pose)) is not None:
+        if (jump := self._route.jump(odom, self.pose)) is not None:
             by = f"{jump.shift:.2f} m and {math.degrees(jump.turn):.0f}°"
             jumped = f"localization has moved its goal or the robot by {by} at once"
             return Trouble(jumped, "see that it is right, and ask again")
-        if self._way.is_off(odom, self.pose):
+        if self._route.is_off(odom, self.pose):
             self._driver = None
-        return WELL
+        return NO_TROUBLE
 
     @property
     def news(self) -> tuple[object, ...]:
         """What is said at once when it becomes another."""
-        return self.id, self.stage, self.outcome, self.reason, self._way.at
+        return self.id, self.stage, self.outcome, self.reason, self._route.at
 
     def hold(self, tick: RobotTime, instance: str) -> None:
         """The requester is there, and has sent this tick. An older one says nothing, nor does anybody else's."""
@@ -129,19 +129,19 @@ class Goal:
         if not self._rest.holds(odometry):
             self._rolled_at = now
 
-    def is_level(self, since: float, heard: float, now: float) -> bool:
+    def has_held_still(self, since: float, heard: float, now: float) -> bool:
         """Whether it has held still under its lease for `since` s when base's state was `heard`."""
         if self._level_since is None:
             self._level_since = now
         return heard - self._level_since >= since
 
-    def lose_level(self) -> None:
+    def restart_hold(self) -> None:
         """The lease is not its own, or not yet."""
         self._level_since = None
 
     def move(self) -> None:
         """It is armed."""
-        self.stage, self.reason = "moving", WELL
+        self.stage, self.reason = "moving", NO_TROUBLE
 
     def twist(self, odometry: Odometry, guard: GuardState, base: Trouble, now: float) -> tuple[float, float]:
         """Return m/s and rad/s to ask for now. `base`: why it does less than the guard let through."""
@@ -156,11 +156,11 @@ class Goal:
         elif self._stopping_since is None:
             self._stopping_since = now
         verdict = _verdict_of(guard, self._driver.direction)
-        self._guard.note(WELL if verdict.freedom == "free" else _GUARD_SLOWED)
-        if not self._driver.is_stopping and verdict.freedom == "blocked":
+        self._guard.note(NO_TROUBLE if verdict.clearance == "free" else _GUARD_SLOWED)
+        if not self._driver.is_stopping and verdict.clearance == "blocked":
             self._wait(verdict, now)
             return STANDS
-        self._blocked_since, self._blocked, self.reason = None, None, WELL
+        self._blocked_since, self._blocked, self.reason = None, None, NO_TROUBLE
         return self._driver.twist(self.pose, odometry, now)
 
     def is_blocked(self, now: float) -> bool:
@@ -170,7 +170,7 @@ class Goal:
     def delay(self, now: float) -> Trouble:
         """Return why it takes longer than it may: what slowed it longest counts, not what does at the end."""
         longest = max((self._base, self._guard), key=lambda each: each.turns)
-        slowed = longest.trouble if longest.turns >= _SLOWED_SHARE * self._turns else WELL
+        slowed = longest.trouble if longest.turns >= _SLOWED_SHARE * self._turns else NO_TROUBLE
         if slowed and longest is self._base:
             return slowed
         if self._stopping_since is not None and now - self._stopping_since > _RESTS_WITHIN:
@@ -199,7 +199,7 @@ class Goal:
 
     def state(self, now: float) -> MotionState:
         """As it is said."""
-        way, until = self._way, now if self.goes_on else self.ended_at
+        way, until = self._route, now if self.goes_on else self.ended_at
         return MotionState(
             id=self.id,
             by=self.by,
@@ -218,17 +218,17 @@ class Goal:
 
     def _next(self) -> None:
         """Begin the next piece, if there is one."""
-        if (planned := self._way.next(self.pose)) is not None:
+        if (planned := self._route.next(self.pose)) is not None:
             _, leg, limits = planned
             self._driver = Driver(leg, limits, self._rest, self._coasts[leg.turns], self.pose)
 
-    def _wait(self, verdict: Verdict, now: float) -> None:
+    def _wait(self, verdict: DirectionLimit, now: float) -> None:
         if self._blocked_since is None:
             self._blocked_since = now
         self._blocked, self.reason = verdict, verdict.reason
 
 
-def _verdict_of(guard: GuardState, direction: Direction) -> Verdict:
+def _verdict_of(guard: GuardState, direction: Direction) -> DirectionLimit:
     """What the guard allows there."""
-    verdict: Verdict = getattr(guard, direction)
+    verdict: DirectionLimit = getattr(guard, direction)
     return verdict

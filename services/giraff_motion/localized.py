@@ -11,12 +11,12 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple, TypeGuard
 
-from giraff_core.kinematics.origin import Origin
 from giraff_core.kinematics.pose import Pose
+from giraff_core.kinematics.segment import Segment
 from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.motion import GoTo, Step
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _HEARD: Final = 1.0
 """s; localization tells the pose ten times a second."""
@@ -46,11 +46,11 @@ class Localized:
         self._pose: MapPose | None = None
         self._heard = -math.inf
         self._map: MapWalls | None = None
-        self._origin = Origin()
+        self._segment = Segment()
         self._disputed = -math.inf
         """When two processes last spoke beside each other."""
 
-    def hear(self, pose: MapPose, now: float) -> None:
+    def on_pose(self, pose: MapPose, now: float) -> None:
         """Take where the robot is on the map."""
         if self._pose is not None and pose.instance != self._pose.instance and now - self._heard <= _HEARD:
             self._disputed = now
@@ -62,7 +62,7 @@ class Localized:
 
     def hear_odometry(self, odometry: Odometry) -> None:
         """Take since when `odom` is where it is: what was said of it before places nothing."""
-        self._origin.hear(odometry)
+        self._segment.on_odometry(odometry)
 
     @property
     def odom(self) -> Pose:
@@ -85,16 +85,16 @@ class Localized:
         if pose.state not in {"localized", "told"}:
             unknown = f"it is not known where the robot is on the map ({pose.state})"
             return pose.reason or Trouble(unknown, "", "run", "giraff localize")
-        if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._origin.holds(pose.tick):
+        if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._segment.holds(pose.tick):
             return _OLD
-        return WELL
+        return NO_TROUBLE
 
     def goal_fault(self, steps: Sequence[Step]) -> Trouble:
         """Return why the robot cannot stand at a goal in `map`. Goals are not judged without the plan of the pose."""
         plan, pose = self._map, self._pose
         if plan is None or plan.free is None or pose is None or plan.instance != pose.instance:
-            return WELL
-        return next(filter(None, (plan.free.fault(step.x, step.y) for step in steps if is_in_map(step))), WELL)
+            return NO_TROUBLE
+        return next(filter(None, (plan.free.fault(step.x, step.y) for step in steps if is_in_map(step))), NO_TROUBLE)
 
     def placed(self, step: GoTo) -> Placed:
         """A step in `map`. Raises ValueError where nothing was heard of it."""

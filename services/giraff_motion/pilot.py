@@ -12,8 +12,8 @@ from giraff_motion.driver import Coast, Rest
 from giraff_motion.goal import Goal
 from giraff_motion.legs import Limits
 from giraff_motion.localized import Localized
+from giraff_motion.route import Route
 from giraff_motion.travel import Travel
-from giraff_motion.way import Way
 from giraff_schemas.messages import Odometry
 from giraff_schemas.motion import MotionRequest, steps_of
 
@@ -36,7 +36,7 @@ class Pilot:
         """Raises ValueError, in plain words, where the request cannot be met."""
         floor, spot = self._limits(request)
         travel = Travel(self._robot, odometry)
-        way = Way(steps_of(request), travel.start, floor, spot, self._localized)
+        way = Route(steps_of(request), travel.start, floor, spot, self._localized)
         if request.time_limit is not None:
             _LONGEST.require("time_limit", request.time_limit)
         nominal = _BEGINS + sum(planned.seconds for planned in way.legs)

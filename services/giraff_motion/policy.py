@@ -30,7 +30,7 @@ from giraff_schemas.motion import (
     steps_of,
 )
 from giraff_schemas.services import MOTION
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _WISH_COUNTS: Final = 1.0
 """s after which a request is too old to begin anything."""
@@ -105,14 +105,14 @@ class MotionPolicy(Hand):
         motion = self._motion
         if motion is None or last is None:
             return
-        if odometry.origin == last.origin and odometry.boot_id == last.boot_id:
+        if odometry.segment == last.segment and odometry.boot_id == last.boot_id:
             motion.add(odometry, now)
         elif motion.goes_on:
             motion.end("lost_odometry", _JUMPED, now)
 
     def on_pose(self, pose: MapPose, now: float) -> None:
         """Take where the robot is on the map."""
-        self._localized.hear(pose, now)
+        self._localized.on_pose(pose, now)
 
     def on_map(self, plan: MapWalls) -> None:
         """Take the floor plan, and where on it the robot can stand."""
@@ -172,7 +172,7 @@ class MotionPolicy(Hand):
         return self._motion if self._motion is not None and self._motion.goes_on else None
 
     def _begin(self, request: MotionRequest, now: float) -> Trouble:
-        """Why not; WELL: it has begun."""
+        """Why not; NO_TROUBLE: it has begun."""
         if why := self._unfit(now) or self._untimely(request):
             return why
         if (other := self._motion) is not None and other.stage != "ended":
@@ -189,7 +189,7 @@ class MotionPolicy(Hand):
             self._motion = self._pilot.begin(request, odometry, now)
         except ValueError as error:
             return Trouble(str(error))
-        return WELL
+        return NO_TROUBLE
 
     def _untimely(self, request: MotionRequest) -> Trouble:
         """Why it is no new wish of now."""
@@ -199,7 +199,7 @@ class MotionPolicy(Hand):
             return Trouble("its instance is empty", "give the one that its holds carry")
         old = self._age(request.tick)
         if -_AHEAD <= old <= _WISH_COUNTS:
-            return WELL
+            return NO_TROUBLE
         if math.isfinite(old) and old > 0.0:
             return Trouble(f"it was wished {old:.1f} s ago", "ask again")
         return Trouble("its tick is of another start of base, or of another robot", "ask again")
@@ -215,7 +215,7 @@ class MotionPolicy(Hand):
             return _NO_BASE
         if self._estop is not None and self._estop.engaged:
             return self._estop.reason.of(f"emergency stop, engaged by {self._estop.by}")
-        return WELL if base.board.connected else base.reason
+        return NO_TROUBLE if base.board.connected else base.reason
 
     def _review(self, motion: Goal, now: float) -> None:
         """End what must not go on; begin to move once the robot is armed."""
@@ -232,7 +232,7 @@ class MotionPolicy(Hand):
     @property
     def _base_trouble(self) -> Trouble:
         base, _ = self._base
-        return WELL if base is None else base.reason
+        return NO_TROUBLE if base is None else base.reason
 
     def _robot_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         if reason := self._unfit(now):
@@ -268,8 +268,8 @@ class MotionPolicy(Hand):
     def _arm(self, motion: Goal, now: float) -> None:
         base, heard = self._base
         if not self.operator.holds:
-            motion.lose_level()
-        is_armed = self.operator.holds and motion.is_level(LEVEL, heard, now) and base is not None and base.armed
+            motion.restart_hold()
+        is_armed = self.operator.holds and motion.has_held_still(LEVEL, heard, now) and base is not None and base.armed
         if is_armed and self._knows_where:
             motion.move()
         elif now - motion.began > _ARMS_WITHIN and is_armed:
@@ -286,7 +286,7 @@ class MotionPolicy(Hand):
         if motion.is_blocked(now):
             motion.end("blocked", motion.reason, now)
         elif motion.has_arrived:
-            motion.end("arrived", WELL, now)
+            motion.end("arrived", NO_TROUBLE, now)
         return twist
 
     def _age(self, tick: RobotTime | None) -> float:

@@ -8,7 +8,7 @@ from giraff_core.io import IO
 from giraff_core.live import Live
 from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import PromptTimer
+from giraff_core.timer import EarlyTimer
 from giraff_motion.config import MotionConfig
 from giraff_motion.policy import MotionPolicy
 from giraff_schemas.messages import Lease
@@ -57,44 +57,44 @@ class Motion(OperatorService):
         )
         self._cancels = io.requests(MOTION_CANCEL)
         self._states = io.publisher(MOTION)
-        self._state_timer = PromptTimer(MOTION.rate_hz)
+        self._state_timer = EarlyTimer(MOTION.rate_hz)
 
     def turn(self, now: float) -> None:
         policy = self._policy
-        self.hear(now)
+        self.read_inboxes(now)
         self._answer(now)
         self.say(now)
         if policy.has_news():
-            self._state_timer.hurry("news", now)
+            self._state_timer.fire_now("news", now)
         if self._state_timer.due(now):
             self._states.put(policy.state(now))
 
-    def hear(self, now: float) -> None:
-        super().hear(now)
+    def read_inboxes(self, now: float) -> None:
+        super().read_inboxes(now)
         policy = self._policy
-        for hold in self._holds.take():
+        for hold in self._holds.pop_all():
             policy.on_hold(hold)
-        for odometry in self._odometry.take():
+        for odometry in self._odometry.pop_all():
             policy.on_odometry(odometry, now)
-        for pose in self._poses.take():
+        for pose in self._poses.pop_all():
             policy.on_pose(pose, now)
-        for plan in self._maps.take():
+        for plan in self._maps.pop_all():
             policy.on_map(plan)
-        for base in self._bases.take():
+        for base in self._bases.pop_all():
             policy.on_base(base, now)
-        for estop in self._estops.take():
+        for estop in self._estops.pop_all():
             policy.on_estop(estop)
-        for guard in self._guards.take():
+        for guard in self._guards.pop_all():
             policy.on_guard(guard, now)
 
     def _answer(self, now: float) -> None:
         policy = self._policy
         for requests in self._requests:
-            for asked in requests.take():
+            for asked in requests.pop_all():
                 asked.answer(policy.on_request(asked.request, now))
-        for cancel in self._cancels.take():
+        for cancel in self._cancels.pop_all():
             cancel.answer(policy.on_cancel(cancel.request, now))
-            self.timer.hurry("cancel", now)
+            self.timer.fire_now("cancel", now)
 
     def on_lease(self, lease: Lease, now: float) -> None:
         self._policy.on_lease(lease, now)

@@ -77,7 +77,7 @@ class MotionClient:
         """
         if self._tuning.due(now):
             set_tcp_options()
-        self._take()
+        self._drain()
         return self._held.turn(now)
 
     def cancel(self, now: float) -> None:
@@ -90,7 +90,7 @@ class MotionClient:
             one.undeclare()
         self._declared.clear()
 
-    def _take(self) -> None:
+    def _drain(self) -> None:
         with contextlib.suppress(IndexError):  # emptiness cannot be asked first
             while True:
                 sample, at = self._heard.popleft()

@@ -324,17 +324,18 @@ class Node(Generic[ConfigT]):
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
-        return self._process.turns(*timers, link=link, boards=self._boards, look=self._look, prompt=prompt)
+        return self._process.turns(*timers, link=link, boards=self._boards, look=self._update, prompt=prompt)
 
     def set_fault(self, name: str, trouble: Trouble) -> None:
-        """State what is wrong with `name` of this service itself, or with WELL that nothing is.
+        """State what is wrong with `name` of this service itself, or with NO_TROUBLE that nothing is.
 
         Logged on a change, told by health, which is then not `ok`.
         """
         self._process.condition.set_fault(name, trouble)
 
     def set_notice(self, name: str, trouble: Trouble) -> None:
-        """State what is wrong elsewhere or awaited, or with WELL that nothing is: this service is well all the same."""
+        """State what is wrong elsewhere or awaited, or with NO_TROUBLE that nothing is: this service is well all the
+        same."""
         self._process.condition.set_notice(name, trouble)
 
     def set_page(self, page: WebPage) -> None:
@@ -345,14 +346,14 @@ class Node(Generic[ConfigT]):
         """End the process with `error`, from any thread."""
         self._process.fail(error)
 
-    def _look(self, now: float) -> None:
+    def _update(self, now: float) -> None:
         self._server.turn(self._describes, self._sets, self._saves, self.on_reconfigured)
         if self._keys is not None:
             self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
         if self._router is not None:
             self.set_notice("router", self._router.problem(now))
         if self._link_repair is not None:
-            self._link_repair.look(now)
+            self._link_repair.update(now)
         if self._wrong_robot is not None and (others := self._wrong_robot.others(now)):
             self.log.warning(
                 "no other service of %s is heard; robots that are there: %s; name yours with GIRAFF_ROBOT_NAME",

@@ -22,7 +22,7 @@ from giraff_node.node import Publisher
 from giraff_schemas.camera import CameraHold, CameraState, Picture, PictureSize
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, Topic, key_of
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 TOPIC_OF: Final[dict[PictureSize, Topic[Picture]]] = {"full": CAMERA, "small": CAMERA_SMALL}
 _AGAIN: Final = 2.0  # s until a network that could not be reached is tried again
@@ -46,7 +46,7 @@ class PictureClient:
         self._lock = threading.Lock()  # the asker is used by Zenoh's threads, and the holds are counted
         self._newest: Picture | None = None
         self._holds: Publisher[CameraHold] | None = None
-        self._unreachable = WELL
+        self._unreachable = NO_TROUBLE
         self._closed = threading.Event()
         # No daemon: Zenoh aborts a process that ends while a session is being opened.
         threading.Thread(target=self._run, name=f"camera {camera}").start()
@@ -56,7 +56,7 @@ class PictureClient:
         with self._lock:
             self._asker.want(largest, _now())
 
-    def take(self) -> Picture | None:
+    def pop_picture(self) -> Picture | None:
         """The newest picture that was not taken yet; None: there is none."""
         with self._lock:
             picture, self._newest = self._newest, None
@@ -78,7 +78,7 @@ class PictureClient:
 
     @property
     def trouble(self) -> Trouble:
-        """Why there is no picture; WELL: one comes, or may."""
+        """Why there is no picture; NO_TROUBLE: one comes, or may."""
         with self._lock:
             return self._unreachable or self._asker.trouble(_now())
 
@@ -94,7 +94,7 @@ class PictureClient:
                 self._unreachable = Trouble(f"no door of the robot answers: {error}", "check the network to the robot")
                 self._closed.wait(_AGAIN)
                 continue
-            self._unreachable = WELL
+            self._unreachable = NO_TROUBLE
             self._listen(session)
             close_session(session)
 

@@ -25,7 +25,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.messages import Odometry, Wheels
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 __all__ = ["Estimate", "OdometryPolicy", "advance"]
 
@@ -66,7 +66,7 @@ class OdometryPolicy:
         """How often the pose was set from outside."""
         self.breaks = 0
         """How often the counters could not be followed, or only over a gap."""
-        self.notice = WELL
+        self.notice = NO_TROUBLE
         """What was wrong with the newest sample."""
 
     def transform(self) -> Transform:
@@ -81,8 +81,8 @@ class OdometryPolicy:
 
     def on_wheels(self, wheels: Wheels) -> Odometry | None:
         """Where the robot is at this sample; None when it repeats one already taken, or is older."""
-        self._standstill.hear(wheels)
-        self.notice = WELL
+        self._standstill.on_wheels(wheels)
+        self.notice = NO_TROUBLE
         last = self._last
         if last is None:
             self._last = wheels

@@ -12,7 +12,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.frames import BASE_FRAME
 from giraff_schemas.topics import ODOM, ODOM_ECHOES, ODOM_RESET, ODOM_SET_POSE, RANGE, WHEELS
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 SILENCE: Final = 1.0
 """s without a sample that is worth a word."""
@@ -49,26 +49,26 @@ class Odometry:
 
     def turn(self, now: float) -> None:
         policy = self._policy
-        for sample in self._wheels.take():
+        for sample in self._wheels.pop_all():
             self._heard = now
             if (odometry := policy.on_wheels(sample)) is not None:
                 self._out.put(odometry)
-                self._echoes.hear(odometry)
+                self._echoes.on_odometry(odometry)
             if policy.notice:
                 self._noticed = now
                 self._io.set_notice("counters", policy.notice)
-        for reset in self._resets.take():
+        for reset in self._resets.pop_all():
             reset.answer(policy.on_reset(reset.request))
-        for pose in self._poses.take():
+        for pose in self._poses.pop_all():
             pose.answer(policy.on_set_pose(pose.request))
-        for reading in self._ranges.take():
+        for reading in self._ranges.pop_all():
             self._echoes.add(reading)
-        for asked in self._asked.take():
+        for asked in self._asked.pop_all():
             asked.answer(self._echoes.map(self._io.instance))
         if now - self._noticed > SETTLED:
-            self._io.set_notice("counters", WELL)
+            self._io.set_notice("counters", NO_TROUBLE)
         is_silent = now - self._heard > SILENCE
-        self._io.set_notice("wheels", _NO_WHEELS if is_silent else WELL)
+        self._io.set_notice("wheels", _NO_WHEELS if is_silent else NO_TROUBLE)
 
     def end(self) -> None:
         """Nothing is left to say."""

@@ -9,7 +9,7 @@ from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_schemas.bumper import Bump
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Range, RangeState, Tick
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
 from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
@@ -45,7 +45,7 @@ class RangerPolicy:
         self._unanswered = 0
         self._tick_down = TickRelay()
         self.faults: dict[str, Trouble] = {}
-        """What the newest frame of each sensor complains of; WELL when it does not."""
+        """What the newest frame of each sensor complains of; NO_TROUBLE when it does not."""
 
     def transforms(self) -> list[Transform]:
         """Where the sensors are on the robot."""
@@ -85,7 +85,7 @@ class RangerPolicy:
     def on_bumpers(self, frame: BumperFrame, now: float) -> list[Bump]:
         """Return what the frame says of each bumper of the robot file."""
         self._ask_at, self._unanswered = now + _ASK_AFTER, 0
-        self.faults["bumpers"] = WELL
+        self.faults["bumpers"] = NO_TROUBLE
         return [
             Bump(sensor=name, pressed=bool(frame.open >> bumper.index & 1), tick=tick_of(frame))
             for name, bumper in self._bumpers.items()
@@ -119,4 +119,4 @@ def _fault(name: str, frame: RangeFrame) -> Trouble:
         )
     if frame.state == WireState.ECHO and not 0 < frame.echo_us <= LONGEST_ECHO_US:
         return Trouble(f"{name} reports an echo of {frame.echo_us} us, which no distance gives", "reflash the board")
-    return WELL
+    return NO_TROUBLE

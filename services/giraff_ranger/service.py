@@ -47,7 +47,7 @@ class Ranger:
                 link.send(request)
             for name, fault in policy.faults.items():
                 self._io.set_fault(name, fault)
-        for tick in self._clock.take():
+        for tick in self._clock.pop_all():
             if (down := policy.on_tick(tick, now)) is not None:
                 link.send(down)
         self._io.set_fault("board", link.fault)

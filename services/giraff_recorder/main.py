@@ -22,7 +22,7 @@ from giraff_recorder.policy import Incident, IncidentDetector, IncidentFile, Mem
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.health import Health
 from giraff_schemas.topics import BASE, ESTOP, health_key, key_below, key_of
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _LOOK_HZ: Final = 5.0
 _AT_ONCE: Final = 2000
@@ -44,11 +44,11 @@ def main() -> None:
         for now in node.turns(pace):
             if not pace.due(now):
                 continue
-            heard = subscriber.take()
+            heard = subscriber.pop_all()
             memory.add(heard)
             for sample in heard:
                 tell_of(sample, node.robot.name, incidents)
-            others.tell(incidents, now, ask=health_timer.due(now))
+            others.dispatch(incidents, now, ask=health_timer.due(now))
             if writing is None and (incident := incidents.due(now)) is not None:
                 writing = write(node, folder, incident, memory.since(incident.since_ns))
             if writing is not None:
@@ -69,7 +69,7 @@ class Others:
         self._healths: deque[Health] = deque(maxlen=_MOST_WAITING)
         self._tokens = watch_tokens(node.session, node.robot.name, self._on_token, node.log.warning, history=False)
 
-    def tell(self, incidents: IncidentDetector, now: float, *, ask: bool) -> None:
+    def dispatch(self, incidents: IncidentDetector, now: float, *, ask: bool) -> None:
         """Pass on what has come."""
         for _ in range(len(self._gone)):
             incidents.on_gone(self._gone.popleft(), now)
@@ -117,7 +117,7 @@ def advanced(node: Node[RecorderConfig], writing: Iterator[None]) -> Iterator[No
     try:
         next(writing)
     except StopIteration:
-        node.set_fault("disk", WELL)
+        node.set_fault("disk", NO_TROUBLE)
         return None
     except OSError as error:
         full = f"{error.filename or 'incidents'}: {error.strerror}"

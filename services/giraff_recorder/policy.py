@@ -144,7 +144,7 @@ class IncidentDetector:
     def on_estop(self, estop: EStop, now: float) -> None:
         """`now` here and below: monotonic, s."""
         if estop.engaged and self._engaged is False:
-            self._tell(now, "estop", f"emergency stop by {estop.by}: {estop.reason.what}")
+            self._report(now, "estop", f"emergency stop by {estop.by}: {estop.reason.what}")
         self._engaged = estop.engaged
 
     def on_base(self, base: BaseState, now: float) -> None:
@@ -153,9 +153,9 @@ class IncidentDetector:
         board = base.board.connected, latch
         if self._board is not None and board != self._board:
             if self._board[0] and not base.board.connected:
-                self._tell(now, "board", f"the base board is lost: {base.reason}")
+                self._report(now, "board", f"the base board is lost: {base.reason}")
             elif latch and latch != self._board[1]:
-                self._tell(now, "board", f"the base board has latched: {latch.replace('_', ' ')}")
+                self._report(now, "board", f"the base board has latched: {latch.replace('_', ' ')}")
         self._board = board
         if base.armed:
             self._armed_at = now
@@ -168,7 +168,7 @@ class IncidentDetector:
         since = now - _QUESTIONS * self._config.health_period
         known = {fault for at, faults in told.values() if at >= since for fault in faults}
         if told and not known.issuperset(health.faults):
-            self._tell(now, "fault", f"{health.service}: {'; '.join(map(str, health.faults))}")
+            self._report(now, "fault", f"{health.service}: {'; '.join(map(str, health.faults))}")
         told.pop(health.instance, None)
         told[health.instance] = now, health.faults
         if len(told) > _PROCESSES:
@@ -177,7 +177,7 @@ class IncidentDetector:
     def on_gone(self, service: str, now: float) -> None:
         """A service's process has left the network."""
         if service in WATCHED and now - self._armed_at <= _ARMED_LATELY:
-            self._tell(now, "gone", f"{service} ended while the robot was armed")
+            self._report(now, "gone", f"{service} ended while the robot was armed")
 
     def due(self, now: float) -> Incident | None:
         """What is to be written now, once; None: nothing."""
@@ -195,7 +195,7 @@ class IncidentDetector:
         self._events, self._written_at = {}, now
         return Incident(kinds[0], text, round(since * 1e9))
 
-    def _tell(self, now: float, kind: str, text: str) -> None:
+    def _report(self, now: float, kind: str, text: str) -> None:
         self._events.setdefault(kind, (now, brief(text, _LONGEST_TEXT)))
 
 

@@ -18,7 +18,7 @@ class PictureSource(Protocol):
     """Sees a camera: `giraff_node.picture_client.PictureClient` in a process. No call waits."""
 
     def want(self) -> None: ...
-    def take(self) -> Picture | None: ...
+    def pop_picture(self) -> Picture | None: ...
     def close(self) -> None: ...
 
 
@@ -43,7 +43,7 @@ class Cameras:
                 self._leave(name)
             elif (source := self._source(name, now)) is not None:
                 source.want()
-                if (seen := source.take()) is not None:
+                if (seen := source.pop_picture()) is not None:
                     self._ros.publish(topic, picture(seen))
 
     def close(self) -> None:

@@ -23,7 +23,7 @@ from giraff_schemas.motion import GoTo, MotionState, Step, Turn
 from giraff_schemas.services import MOTION as MOTION_SERVICE
 from giraff_schemas.text import printable
 from giraff_schemas.topics import MOTION_HOLD, Query
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _NEAR: Final = 0.05  # m; a goal so near is a turn alone
 _ALIGNED: Final = math.radians(1.0)
@@ -54,7 +54,7 @@ class Goals:
         self._given_at = -math.inf
         self._requester: MotionRequester | None = None
         self._motion: HeldMotion | None = None
-        self._trouble, self._told_at = WELL, -math.inf
+        self._trouble, self._told_at = NO_TROUBLE, -math.inf
         self._now = math.inf  # of the last turn; there was none
         self._clocks: dict[bytes, PublisherClock] = {}  # by the publisher's id
         self._link = RobotLink()
@@ -69,8 +69,8 @@ class Goals:
 
     @property
     def trouble(self) -> Trouble:
-        """Why the newest goal is not driven to; WELL: it is, or was, or there was none lately."""
-        return self._trouble if self._now - self._told_at < _TOLD_FOR else WELL
+        """Why the newest goal is not driven to; NO_TROUBLE: it is, or was, or there was none lately."""
+        return self._trouble if self._now - self._told_at < _TOLD_FOR else NO_TROUBLE
 
     def on_goal(self, received: Received, answers: Answers | None, now: float) -> None:
         """Take a goal. It replaces the one before it. `answers`: of its publisher's process; None: it has no token."""
@@ -79,18 +79,20 @@ class Goals:
         at, turned = pose.position, pose.orientation
         norm = math.hypot(turned.z, turned.w)
         if not all(map(math.isfinite, (at.x, at.y, turned.x, turned.y, norm))):
-            self._tell("a number of it is not finite", now)
+            self._report("a number of it is not finite", now)
         elif frame not in (ODOM_FRAME, MAP_FRAME):
-            self._tell(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
+            self._report(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
         elif max(abs(turned.x), abs(turned.y)) > _LEVEL or not 0.9 < norm < 1.1:
-            self._tell("its orientation is no turn on the floor", now)
+            self._report("its orientation is no turn on the floor", now)
         elif answers is None:
-            self._tell(f"no token has the id of its publisher, which has ended, or {OTHER_LIBRARY}", now, USE_RMW_ZENOH)
+            self._report(
+                f"no token has the id of its publisher, which has ended, or {OTHER_LIBRARY}", now, USE_RMW_ZENOH
+            )
         elif why := self._age_fault(received, answers, now):
-            self._tell(f"{why}; give it again", now)
+            self._report(f"{why}; give it again", now)
         else:
             self.cancel("another goal was given", now)
-            self._trouble = WELL
+            self._trouble = NO_TROUBLE
             self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w)
             self._given_at = received.at
 
@@ -102,9 +104,9 @@ class Goals:
         """Let go of the goal."""
         if self._goal is not None:
             self._goal = None
-            self._tell(why, now)
+            self._report(why, now)
         if self._motion is not None and not self._motion.is_cancelled:
-            self._tell(why, now)
+            self._report(why, now)
             self._motion.cancel(now)
 
     def on_tick(self, tick: Tick, now: float) -> None:
@@ -150,7 +152,7 @@ class Goals:
         is_asked = self._motion is not None and self._motion.has_asked
         if self.is_active and not is_asked:
             self._goal = self._requester = self._motion = None
-            self._tell(f"{_STILL}; give it again", now)
+            self._report(f"{_STILL}; give it again", now)
 
     def _age_fault(self, received: Received, answers: Answers, now: float) -> str:
         """Return why nobody knows that a goal was given just now; empty: it was.
@@ -196,13 +198,13 @@ class Goals:
     def _go_on(self, motion: HeldMotion, now: float) -> None:
         if not (motion.has_asked or motion.is_cancelled) and self._is_late(now):
             self._requester = self._motion = None
-            self._tell("the robot is not heard; give it again", now)
+            self._report("the robot is not heard; give it again", now)
         elif (result := motion.turn(now)) is not None:
             self._requester = self._motion = None
             if not (result.arrived or motion.is_cancelled):
-                self._tell(result.reason, now)
+                self._report(result.reason, now)
 
-    def _tell(self, why: str, now: float, remedy: str = "give another goal when that is over") -> None:
+    def _report(self, why: str, now: float, remedy: str = "give another goal when that is over") -> None:
         self._trouble, self._told_at = Trouble(f"/goal_pose is not driven to: {why}", remedy), now
 
 

@@ -52,7 +52,7 @@ def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> N
     from giraff_ros2.robot_in_ros import published  # noqa: PLC0415
     from giraff_ros2.service import Ros2  # noqa: PLC0415
 
-    def look(camera: str, by: str) -> PictureSource:
+    def open_source(camera: str, by: str) -> PictureSource:
         return PictureClient(node.network, node.robot.name, camera, by)
 
     try:
@@ -62,7 +62,7 @@ def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> N
         sys.exit(_REFUSED)
     with closing(ros):
         announce(shell_lines(node.config, ros.way))
-        service = Ros2(node, node.config, node.robot, ros, look)
+        service = Ros2(node, node.config, node.robot, ros, open_source)
         gc.freeze()  # what stays, of which the ROS libraries have much, is not looked through again and again
         node.run(service, prompt=True)
 

@@ -60,7 +60,7 @@ class RosPort(Selectable, Protocol):
         """Send a message of rosbags' class for the topic's type. A latched one is kept for who comes later."""
         ...
 
-    def take(self) -> Iterable[Received | Refused]:
+    def pop_all(self) -> Iterable[Received | Refused]:
         """Return what has come on the topics of `SUBSCRIBED` since the last call, in its order."""
         ...
 
@@ -88,5 +88,5 @@ class RosPort(Selectable, Protocol):
         ...
 
     def trouble(self) -> Trouble:
-        """Return what is wrong with the way to ROS, and with what it publishes; WELL: nothing is known."""
+        """Return what is wrong with the way to ROS, and with what it publishes; NO_TROUBLE: nothing is known."""
         ...

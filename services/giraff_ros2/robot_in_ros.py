@@ -49,7 +49,7 @@ class RobotInRos:
 
     def on_sample(self, sample: Sample, now: float) -> None:
         """Say what the robot has said."""
-        self._newest.take(sample, now)
+        self._newest.add(sample, now)
         self._say(sample)
 
     def turn(self, now: float) -> None:

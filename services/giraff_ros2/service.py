@@ -34,7 +34,7 @@ from giraff_schemas.topics import (
     TILT,
     Topic,
 )
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 
 _KEPT: Final = 20
 """Samples of a topic between two turns of which none is left out."""
@@ -64,13 +64,13 @@ class Ros2(OperatorService):
 
     def turn(self, now: float) -> None:
         # Before the ticks: a message is of one that was heard before it.
-        for each in self._ros.take():
-            self._take(each, now)
-        self._twists.look(self._ros.publishers(), self._ros.answers, now)
-        self.hear(now)
+        for each in self._ros.pop_all():
+            self._on_received(each, now)
+        self._twists.review(self._ros.publishers(), self._ros.answers, now)
+        self.read_inboxes(now)
         if is_due := self._pace.due(now):
-            for sample in (sample for inbox in self._heard for sample in inbox.take()):
-                self._hear(sample, now)
+            for sample in (sample for inbox in self._heard for sample in inbox.pop_all()):
+                self._on_sample(sample, now)
         for call in self._ros.calls():
             self._stops.on_call(call, now)
         self._stops.poll(now)
@@ -83,7 +83,7 @@ class Ros2(OperatorService):
         self.say(now)
         if is_due:
             self._says.turn(now)
-            self._tell(now)
+            self._report(now)
 
     def on_tick(self, tick: Tick, now: float) -> None:
         super().on_tick(tick, now)
@@ -97,13 +97,13 @@ class Ros2(OperatorService):
         super().end()
         self._says.close()
 
-    def _hear(self, sample: Sample, now: float) -> None:
+    def _on_sample(self, sample: Sample, now: float) -> None:
         self._says.on_sample(sample, now)
         self._goals.on_sample(sample, now)
         if isinstance(sample, EStop):
             self._stops.on_estop(sample)
 
-    def _take(self, each: Received | Refused, now: float) -> None:
+    def _on_received(self, each: Received | Refused, now: float) -> None:
         match each:
             case Refused() if each.topic == GOAL_POSE:
                 self._goals.on_refused(each.trouble, now)
@@ -117,14 +117,14 @@ class Ros2(OperatorService):
                 return
             case Received():
                 self._twists.on_twist(each, now)
-                self.timer.hurry("ros2", now)
+                self.timer.fire_now("ros2", now)
         # Also zero, which stops: it is the key that somebody presses in fright.
         self._goals.cancel("a message came on /cmd_vel", now)
 
-    def _tell(self, now: float) -> None:
+    def _report(self, now: float) -> None:
         self._io.set_notice("ros", self._ros.trouble())
         self._io.set_notice("publisher", self._twists.token_fault(now))
         self._io.set_notice("goal", self._goals.trouble)
         if not self._speaks:
-            self._io.set_notice("hand", WELL)
-            self._io.set_notice("lease", WELL)
+            self._io.set_notice("hand", NO_TROUBLE)
+            self._io.set_notice("lease", NO_TROUBLE)

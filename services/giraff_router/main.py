@@ -70,7 +70,7 @@ def main() -> None:
                 continue
             set_tcp_options()
             links = [(link.auth_identifier or "somebody", link.dst) for link in session.info.links()]
-            for news in visitors.look(links):
+            for news in visitors.update(links):
                 process.log.info("%s", news)
             process.condition.set_notice("strangers", visitors.strangers)
             if keys is not None:

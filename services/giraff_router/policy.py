@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from giraff_core.access import AccessConfig, access_control
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 def gateway(sites: Iterable[str]) -> dict[str, Any]:
@@ -41,7 +41,7 @@ class Visitors:
         self._secured = bool(robots)
         self._here: dict[str, set[str]] = {}
 
-    def look(self, links: Iterable[tuple[str, str]]) -> list[str]:
+    def update(self, links: Iterable[tuple[str, str]]) -> list[str]:
         """What to log, of the (host, address) of all links there are now."""
         now: dict[str, set[str]] = {}
         for host, address in links:
@@ -58,6 +58,6 @@ class Visitors:
         """Why some of those who are here hear and say nothing."""
         unnamed = sorted(set(self._here) - self._known) if self._secured else []
         if not unnamed:
-            return WELL
+            return NO_TROUBLE
         told = "has a certificate, but no part in any [router.robots]: it can do nothing here"
         return Trouble(told).of(", ".join(unnamed))

@@ -21,7 +21,7 @@ from giraff_node.config.robot_file import ConfigError, load
 from giraff_node.process.logs import service_logger
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import Board, BoardError, Implementation
-from giraff_sim.bodies.kinds import read_drive, world_of
+from giraff_sim.bodies.registry import read_drive, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer

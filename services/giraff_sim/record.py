@@ -17,7 +17,7 @@ WINDOW_US: Final = 100_000_000  # kept; two minutes after a start the record has
 _FORGET_EVERY: Final = 1024  # entries
 
 
-class Verdict(msgspec.Struct, frozen=True, kw_only=True):
+class MotorWindow(msgspec.Struct, frozen=True, kw_only=True):
     """A window of the record. Times are simulated us; None: never in the window.
 
     A frame counts as accepted when the telemetry says so: up to 10 ms and a frame's time on the wire later.
@@ -52,7 +52,7 @@ class _Drive(msgspec.Struct):
     peak: int
 
 
-class _Told(msgspec.Struct):
+class _FrameCount(msgspec.Struct):
     now_us: int
     accepted: int  # since the frame before
     refused: int
@@ -67,7 +67,7 @@ class Record:
         self.telemetry: BoardReport | None = None
         """The newest frame of the base board."""
         self._drives: list[_Drive] = []
-        self._told: list[_Told] = []
+        self._told: list[_FrameCount] = []
         self._decoder = Decoder(frames)
 
     def note_drive(self, now_us: int, peak_counts: int, lasted_us: int = 1000) -> None:
@@ -89,11 +89,11 @@ class Record:
             if before is not None and before.boot_id == frame.boot_id:
                 accepted, refused = (accepted - before.accepted) & 0xFFFF, (refused - before.refused) & 0xFFFF
             self.telemetry = frame
-            self._told.append(_Told(now_us, accepted, refused))
+            self._told.append(_FrameCount(now_us, accepted, refused))
             if len(self._told) % _FORGET_EVERY == 0:
                 del self._told[: bisect_left(self._told, now_us - WINDOW_US, key=_told_at)]
 
-    def verdict(self, since_us: int, until_us: int) -> Verdict:
+    def verdict(self, since_us: int, until_us: int) -> MotorWindow:
         """What happened after `since_us` and not after `until_us`."""
         first_ms, last_ms = since_us // 1000 + 1, until_us // 1000  # ends of the window's milliseconds
         runs = self._drives[
@@ -106,7 +106,7 @@ class Record:
             bisect_right(self._told, since_us, key=_told_at) : bisect_right(self._told, until_us, key=_told_at)
         ]
         accepted_us = [one.now_us for one in told if one.accepted]
-        return Verdict(
+        return MotorWindow(
             since_us=since_us,
             until_us=until_us,
             first_driven_us=driven[0][0] if driven else None,
@@ -141,5 +141,5 @@ def _drive_ends(run: _Drive) -> int:
     return run.last_us
 
 
-def _told_at(one: _Told) -> int:
+def _told_at(one: _FrameCount) -> int:
     return one.now_us

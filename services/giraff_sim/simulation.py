@@ -59,7 +59,7 @@ class Simulation:
                     self.record.note_sent(self.now_us, sent)
         if self._base is not None:
             body = self.world.body
-            body.look(self._base)
+            body.update(self._base)
             self.record.note_drive(self.now_us, body.activity, self.world.step_us)
 
     def run(self, seconds: float) -> None:

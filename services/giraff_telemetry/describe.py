@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from giraff_core.latest import Latest
 from giraff_schemas.camera import CameraState
-from giraff_schemas.messages import Attitude, Battery, GuardState, Range, Verdict
+from giraff_schemas.messages import Attitude, Battery, DirectionLimit, GuardState, Range
 from giraff_schemas.services import HANDS
 from giraff_telemetry.collector import Snapshot
 from giraff_telemetry.localization import short_pose_text
@@ -70,10 +70,10 @@ def forward_text(seen: Latest[GuardState] | None) -> str:
     if seen is None or not seen.fresh:
         return "unknown"
     verdict = seen.sample.forward
-    return verdict.freedom if not verdict.sensor else f"{verdict.freedom} ({verdict.sensor})"
+    return verdict.clearance if not verdict.sensor else f"{verdict.clearance} ({verdict.sensor})"
 
 
-def verdicts(state: GuardState) -> list[tuple[str, Verdict]]:
+def verdicts(state: GuardState) -> list[tuple[str, DirectionLimit]]:
     """By direction."""
     return list(zip(DIRECTIONS, (state.forward, state.backward, state.turn_left, state.turn_right), strict=True))
 
@@ -87,8 +87,8 @@ def limit_text(snapshot: Snapshot) -> str:
     if guard.sample.reason:
         return str(guard.sample.reason)
     for label, verdict in verdicts(guard.sample):
-        if verdict.freedom != "free":
-            return f"{label} {verdict.freedom}: {verdict.reason}"
+        if verdict.clearance != "free":
+            return f"{label} {verdict.clearance}: {verdict.reason}"
     return ""
 
 

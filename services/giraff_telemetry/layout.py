@@ -12,14 +12,14 @@ from rich.text import Text
 
 from giraff_schemas.text import printable
 
-Standing = Literal["starting", "alive", "silent", "ended"]
+ServiceStatus = Literal["starting", "alive", "silent", "ended"]
 
 HEADING: Final = "bold cyan"
 NONE: Final = Text("-", style="dim")
 
 _LONGEST_WHY: Final = 135  # characters
 
-_STANDING: Final[dict[Standing, tuple[str, str]]] = {
+_STATUS: Final[dict[ServiceStatus, tuple[str, str]]] = {
     "starting": ("○", "dim"),
     "alive": ("●", "green"),
     "silent": ("○", "red"),
@@ -58,12 +58,12 @@ def beside(*blocks: Table) -> Table:
     return grid
 
 
-def services(standings: Sequence[tuple[str, Standing]]) -> Text:
+def services(statuses: Sequence[tuple[str, ServiceStatus]]) -> Text:
     """Which are there."""
     text = Text(no_wrap=True, overflow="ellipsis")
     text.append("SERVICES", style=HEADING)
-    for service, standing in standings:
-        sign, style = _STANDING[standing]
+    for service, status in statuses:
+        sign, style = _STATUS[status]
         text.append("  ").append(f"{sign} ", style=style).append(printable(service))
     return text
 

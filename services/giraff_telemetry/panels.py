@@ -43,7 +43,7 @@ _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
 _LEFT_OUT: Final = (MOTION, MOTION_HOLD, POSE, PARTICLES, MAP, ATTITUDE, CAMERA_ON, CAMERA_STATE, VISUAL_ODOM)
-FREEDOM_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
+CLEARANCE_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
 _STATES: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}
 
@@ -102,8 +102,8 @@ def guard(snapshot: Snapshot) -> Table:
         return table
     for label, verdict in verdicts(seen.sample):
         why = printable(str(verdict.reason))
-        freedom = Text(verdict.freedom, style=FREEDOM_STYLE[verdict.freedom])
-        table.add_row(label, f"{verdict.allowed:.2f}", _speed_unit(label), freedom, Text(why), style=dim(seen))
+        clearance = Text(verdict.clearance, style=CLEARANCE_STYLE[verdict.clearance])
+        table.add_row(label, f"{verdict.allowed:.2f}", _speed_unit(label), clearance, Text(why), style=dim(seen))
     return table
 
 

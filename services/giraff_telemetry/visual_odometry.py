@@ -136,7 +136,7 @@ class VisualErrors:
             motion = end.truth.seen_from(begin.truth)
             error = _apart(Pose(*end.seen.path).seen_from(Pose(*begin.seen.path)), motion)
             before, after = begin.odometry, end.odometry
-            if before is not None and after is not None and before.origin == after.origin:
+            if before is not None and after is not None and before.segment == after.segment:
                 wheels_m = round(after.path - before.path, 4)
                 wheels_error = _apart(end.wheels.seen_from(begin.wheels), motion)
         return VisualSummary(

@@ -30,7 +30,7 @@ class Cone:
         """What the guard makes of it."""
         self._distrust = str(state.trouble) if (state := guard.sensors.get(self.sensor)) is not None else ""
         verdicts = (guard.forward, guard.backward, guard.turn_left, guard.turn_right)
-        self._blocks = any(each.freedom == "blocked" and each.sensor == self.sensor for each in verdicts)
+        self._blocks = any(each.clearance == "blocked" and each.sensor == self.sensor for each in verdicts)
 
     @property
     def distance(self) -> float | None:

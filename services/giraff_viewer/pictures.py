@@ -50,7 +50,7 @@ class Pictures:
         image = rr.EncodedImage(contents=picture.jpeg, media_type="image/jpeg")
         return [(picture_path(picture.camera), image), *self._write(picture, at_ns)]
 
-    def look(self, now_ns: int) -> list[Row]:
+    def update(self, now_ns: int) -> list[Row]:
         """Return what the time that passes changes: a picture that was not followed by another is old."""
         return [
             row

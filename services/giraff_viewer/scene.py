@@ -23,11 +23,11 @@ from giraff_schemas.requests import EchoMap
 from giraff_schemas.topics import Topic
 from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, LINES, PATH, ROBOT, TILT, TRUTH, WHITE
 from giraff_viewer.cones import Cone, ConeState
+from giraff_viewer.event_text import EventText, Line
 from giraff_viewer.pictures import Pictures
 from giraff_viewer.plots import Series, Values, balance_series, series
 from giraff_viewer.rows import FLOOR, Row, planar, turned
 from giraff_viewer.shapes import arc, cone, ellipse, grid, headings, outline, placed
-from giraff_viewer.story import Line, Story
 from giraff_viewer.surroundings import Surroundings
 from giraff_viewer.trail import Point, Trail
 from giraff_viewer.vision import Vision
@@ -45,9 +45,9 @@ class Ghost:
     def __init__(self) -> None:
         self._samples: deque[Odometry] = deque(maxlen=_KEPT)
 
-    def hear(self, odometry: Odometry) -> None:
+    def on_odometry(self, odometry: Odometry) -> None:
         """Odometry's newest sample. One that was restarted, or whose pose was set, has another frame from there on."""
-        if self._samples and self._samples[-1].origin != odometry.origin:
+        if self._samples and self._samples[-1].segment != odometry.segment:
             self._samples.clear()
         self._samples.append(odometry)
 
@@ -101,7 +101,7 @@ class Scene:
         self._trail = Trail()
         self._spread: tuple[int, int, int, int] | None = None
         self._moved = False
-        self._story = Story()
+        self._event_text = EventText()
         self._page = ""
         self._values = Values()
         self._last: dict[str, int] = {}
@@ -159,7 +159,7 @@ class Scene:
             case TruePose():
                 rows += self._draw_truth(sample, at_ns)
             case Range(sensor=sensor) if sensor in self._cones:
-                self._surroundings.hear(sample)
+                self._surroundings.on_sample(sample)
                 self._cones[sensor].read(sample, at_ns)
                 rows += self._draw_cones(at_ns)
             case MapPose() | Particles() | MapWalls():
@@ -174,10 +174,10 @@ class Scene:
                 rows.append((f"{HAND}/tilt", _tilt(sample)))
             case GuardState():
                 rows += self._judge(sample, at_ns)
-        lines = self._story.on_sample(sample)
+        lines = self._event_text.on_sample(sample)
         if isinstance(sample, Range):
             level = "INFO" if sample.state != "fault" else "WARN"
-            lines += self._story.tell(topic.key.replace("*", sample.sensor), (level, str(sample.reason) or "well"))
+            lines += self._event_text.add(topic.key.replace("*", sample.sensor), (level, str(sample.reason) or "well"))
         return rows + self._say(lines)
 
     def begin_with(self, earlier: EchoMap) -> None:
@@ -187,14 +187,14 @@ class Scene:
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> list[Row]:
         """A service has come or gone."""
         there = ("INFO", f"is there, {instance}") if present else ("WARN", f"is gone, {instance}")
-        return self._say(self._story.tell(f"service {service}", there))
+        return self._say(self._event_text.add(f"service {service}", there))
 
-    def look(self, now_ns: int) -> list[Row]:
+    def update(self, now_ns: int) -> list[Row]:
         """What the time that passes changes: a sensor that is silent, a way that is longer than its line."""
         rows = self._draw_cones(now_ns) + self._draw_trail(now_ns)
         if self._due("echoes", _ECHOES_EVERY, now_ns):
             rows += self._surroundings.draw_echoes()
-        return rows + self._pictures.look(now_ns) + self._vision.look(now_ns)
+        return rows + self._pictures.update(now_ns) + self._vision.update(now_ns)
 
     def _judge(self, guard: GuardState, at_ns: int) -> list[Row]:
         for each in self._cones.values():
@@ -203,8 +203,8 @@ class Scene:
 
     def _move(self, odometry: Odometry, at_ns: int) -> list[Row]:
         rows: list[Row] = []
-        self._ghost.hear(odometry)
-        self._surroundings.hear(odometry)
+        self._ghost.on_odometry(odometry)
+        self._surroundings.on_sample(odometry)
         if self._due("frames/base_link", _PLOT_EVERY, at_ns):
             where = planar("odom", "base_link", odometry.x, odometry.y, odometry.yaw)
             rows += [where, (f"{FLOOR}/ellipse", self._ellipse(odometry))]
@@ -212,7 +212,7 @@ class Scene:
             rows.append(planar("map", "odom", 0.0, 0.0, 0.0))
         if not self._whereabouts.known:
             rows += self._draw_grid([(odometry.x, odometry.y)])
-        self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.origin)
+        self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.segment)
         return rows + self._draw_trail(at_ns)
 
     def _ellipse(self, odometry: Odometry) -> Any:
@@ -280,7 +280,7 @@ class Scene:
 
     def _say(self, lines: list[Line]) -> list[Row]:
         rows = self._log(lines)
-        if (page := self._story.page) != self._page:
+        if (page := self._event_text.page) != self._page:
             self._page = page
             rows.append((GUARD, rr.TextDocument(page, media_type=rr.MediaType.MARKDOWN)))
         return rows

@@ -110,11 +110,11 @@ class Show:
         """Tell that a service has come or gone."""
         self._log(self._scene.on_liveliness(service, instance, present=present), at_ns)
 
-    def look(self, now_ns: int) -> None:
+    def update(self, now_ns: int) -> None:
         """Draw what the time that passes changes; to be called often."""
         if not 0 <= now_ns - self._looked_ns < _LOOK_EVERY:
             self._looked_ns = now_ns
-            self._log(self._scene.look(now_ns), now_ns)
+            self._log(self._scene.update(now_ns), now_ns)
 
     def flush(self) -> None:
         """Until all has been sent, and no longer than a viewer that hangs deserves. Raises ViewerError."""

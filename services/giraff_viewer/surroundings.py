@@ -33,12 +33,12 @@ class Surroundings:
         """Return the frame of everything here."""
         return [(path, rr.CoordinateFrame("odom")) for path in (_ECHOES, _ROOM)]
 
-    def hear(self, sample: Odometry | Range) -> None:
+    def on_sample(self, sample: Odometry | Range) -> None:
         """Take a pose, or a reading."""
         if isinstance(sample, Range):
             self._is_news |= self._echoes.add(sample)
             return
-        self._is_news |= self._echoes.hear(sample)
+        self._is_news |= self._echoes.on_odometry(sample)
         if self._earlier is not None:
             self._is_news |= self._echoes.join(self._earlier)
             self._earlier = None

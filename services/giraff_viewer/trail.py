@@ -19,13 +19,13 @@ class Trail:
         self.unseen: list[bool] = []
         """For each point, whether no camera has seen the step to it."""
         self._step = _STEP
-        self._origin: object = None
+        self._segment: object = None
 
-    def go_on(self, x: float, y: float, origin: object, *, unseen: bool = False) -> bool:
-        """Whether the trail has changed. `origin`: `Odometry.origin`; where it is another, no robot has gone that way,
-        and a new trail begins."""
-        if self._origin != origin:
-            self.points, self.unseen, self._step, self._origin = [(x, y)], [unseen], _STEP, origin
+    def go_on(self, x: float, y: float, segment: object, *, unseen: bool = False) -> bool:
+        """Whether the trail has changed. `segment`: `Odometry.segment`; where it is another, no robot has gone that
+        way, and a new trail begins."""
+        if self._segment != segment:
+            self.points, self.unseen, self._step, self._segment = [(x, y)], [unseen], _STEP, segment
             return True
         if math.dist(self.points[-1], (x, y)) < self._step:
             return False

@@ -54,7 +54,7 @@ class Vision:
         if then is None:
             return rows
         x, y, yaw = sample.path
-        if self._begun != (begun := (sample.instance, then.origin)):
+        if self._begun != (begun := (sample.instance, then.segment)):
             self._begun = begun
             first = Pose(0.0, 0.0, 0.0).seen_from(Pose(x, y, yaw)).placed_in(Pose(then.x, then.y, then.yaw))
             rows.append(planar("odom", _FRAME, *first))
@@ -78,7 +78,7 @@ class Vision:
         colours, radii = [BLIND if each else VISUAL for each in blind], [0.008 if each else 0.014 for each in blind]
         return [(PATH, rr.LineStrips2D(strips, colors=colours, radii=radii, draw_order=25.0))]
 
-    def look(self, now_ns: int) -> list[Row]:
+    def update(self, now_ns: int) -> list[Row]:
         """Return what takes the marks of a picture away when no newer ones follow."""
         old = [camera for camera, at_ns in self._marked.items() if now_ns - at_ns > OLD * 1e9]
         for camera in old:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.kinematics.pose import Pose
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_vision import reasons
 from giraff_vision.ground import Array, Grey, Ground
 from giraff_vision.repetition import Repetition
@@ -79,11 +79,11 @@ _BLURRED: Final = 0.3
 _HERE: Final = Pose(0.0, 0.0, 0.0)
 
 
-class Seen(NamedTuple):
+class PictureMotion(NamedTuple):
     """What one picture tells."""
 
     reason: Trouble
-    """WELL: the motion is a measurement."""
+    """NO_TROUBLE: the motion is a measurement."""
     key: int
     """Number of the key picture that the motion is since."""
     motion: Pose | None = None
@@ -120,7 +120,7 @@ class VisualOdometer:
         self._step = _HERE
         """Motion from the picture before the last to the last."""
 
-    def look(self, grey: Grey) -> Seen:
+    def on_picture(self, grey: Grey) -> PictureMotion:
         """Return what the next picture tells. `grey`: (rows, columns) of the ground's size."""
         if unfit := self._unfit(grey):
             self._key_picture = None
@@ -152,11 +152,11 @@ class VisualOdometer:
         self._repeats = self._repetition.is_in(grey)
         self.key += 1
 
-    def _none(self, reason: Trouble) -> Seen:
-        return Seen(reason, max(0, self.key))
+    def _none(self, reason: Trouble) -> PictureMotion:
+        return PictureMotion(reason, max(0, self.key))
 
     def _unfit(self, grey: Grey) -> Trouble:
-        """Why nothing can be seen in this picture; WELL: something may be."""
+        """Why nothing can be seen in this picture; NO_TROUBLE: something may be."""
         if not self.ground.bands:
             return reasons.NO_FLOOR
         floor = grey[self._rows]
@@ -166,7 +166,7 @@ class VisualOdometer:
             return reasons.OVEREXPOSED
         if (cv2.resize(floor, _CELLS, interpolation=cv2.INTER_AREA) < _BLACK).mean() > _MOST_BLACK:
             return reasons.COVERED
-        return WELL
+        return NO_TROUBLE
 
     def _sharpness_of(self, grey: Grey) -> float:
         return float(cv2.Laplacian(cv2.GaussianBlur(grey[self._rows], (0, 0), 1.0), cv2.CV_32F).var())
@@ -188,7 +188,7 @@ class VisualOdometer:
         column, row = pixels.astype(np.intp).T
         return np.asarray(pixels[strength[row, column] > _LEAST_CORNER] + np.array([0.0, rows.start]))
 
-    def _follow(self, key: Grey, grey: Grey, sharpness: float) -> Seen:
+    def _follow(self, key: Grey, grey: Grey, sharpness: float) -> PictureMotion:
         """Find the corners of the key picture again, in it as it would look from where the robot is expected."""
         ground, floor = self.ground, self._corners
         if len(floor) < _FEWEST:
@@ -221,16 +221,16 @@ class VisualOdometer:
         best = consensus(ground, floor, places, sway, self._chance)
         fit = None if best is None else refined(ground, floor, places, best, sway)
         if best is None or fit is None:
-            return Seen(reasons.MOVING, self.key, rejected=places)
+            return PictureMotion(reasons.MOVING, self.key, rejected=places)
         tracked, rejected = places[fit.agrees], places[~fit.agrees]
         if reason := _doubt(fit, best.rival, floor[fit.agrees]):
-            return Seen(reason, self.key, tracked=tracked, rejected=rejected)
+            return PictureMotion(reason, self.key, tracked=tracked, rejected=rejected)
         motion = _pose_of(fit.motion)
         self._step = motion.seen_from(_pose_of(self._motion))
         self._motion, self._corners = fit.motion, floor[fit.agrees]
         covariance = tuple(fit.covariance[np.triu_indices(3)].tolist())
         is_sure = max(fit.covariance[0, 0], fit.covariance[1, 1]) < _SURE**2
-        return Seen(WELL if is_sure else reasons.UNSURE, self.key, motion, covariance, tracked, rejected)
+        return PictureMotion(NO_TROUBLE if is_sure else reasons.UNSURE, self.key, motion, covariance, tracked, rejected)
 
     def _expected(self) -> Array:
         """Return the motion since the key picture, if the robot goes on as between the last two pictures."""
@@ -279,7 +279,7 @@ def _evened(grey: Grey) -> Grey:
 
 
 def _doubt(fit: Refined, rival: int, floor: Array) -> Trouble:
-    """Why a motion is no measurement; WELL: it is one. `floor`: of the corners that move so."""
+    """Why a motion is no measurement; NO_TROUBLE: it is one. `floor`: of the corners that move so."""
     moving, tracked = int(fit.agrees.sum()), len(fit.agrees)
     if moving < _FEWEST:
         return reasons.FEW
@@ -287,4 +287,4 @@ def _doubt(fit: Refined, rival: int, floor: Array) -> Trouble:
         return reasons.MOVING
     if floor.std(axis=0).min() < _SPREAD:
         return reasons.BUNCHED
-    return WELL
+    return NO_TROUBLE

@@ -19,10 +19,10 @@ from giraff_core.picture.header import HeaderError, read_jpeg
 from giraff_core.sensors import Camera
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.messages import Odometry
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_vision import reasons
 from giraff_vision.ground import Ground, PictureError
-from giraff_vision.odometer import Seen, VisualOdometer
+from giraff_vision.odometer import PictureMotion, VisualOdometer
 from giraff_vision.wheel_path import WheelPath, Whereabouts
 
 _OFF_SHARE: Final = 0.08
@@ -72,7 +72,7 @@ def grey_of(jpeg: bytes, camera: Camera) -> NDArray[np.uint8]:
     return np.asarray(pixels, np.uint8)
 
 
-class _Way(NamedTuple):
+class _Travel(NamedTuple):
     """What was gone up to a picture."""
 
     path: Pose
@@ -94,7 +94,7 @@ class VisionPolicy:
         self._wheels = WheelPath()
         self._key_wheels: Whereabouts | None = None
         self._last_wheels: Whereabouts | None = None
-        self._key_at = self._at = _Way(Pose(0.0, 0.0, 0.0), 0.0, 0.0)
+        self._key_at = self._at = _Travel(Pose(0.0, 0.0, 0.0), 0.0, 0.0)
         self._is_doubted = False
         """Picture and wheels have disagreed, and not agreed over some way since then."""
 
@@ -117,7 +117,7 @@ class VisionPolicy:
         if here is not None and _between(self._key_wheels, here) is None:
             odometer.renew()  # the wheels have no word on the way since the key picture
         key_before = odometer.key
-        seen = odometer.look(odometer.ground.straightened(grey))
+        seen = odometer.on_picture(odometer.ground.straightened(grey))
         wheels = _between(self._key_wheels, here)
         if seen.repeats and wheels is None and not seen.reason:
             seen = seen._replace(reason=reasons.UNSURE)  # only the wheels can tell which of several motions it is
@@ -125,10 +125,10 @@ class VisionPolicy:
         if seen.motion is not None and not reason:
             way = math.hypot(seen.motion.x, seen.motion.y)
             begin = self._key_at
-            self._at = _Way(seen.motion.placed_in(begin.path), begin.seen + way, begin.blind)
+            self._at = _Travel(seen.motion.placed_in(begin.path), begin.seen + way, begin.blind)
         elif (rolled := _between(self._last_wheels, here)) is not None:
             way = math.hypot(rolled.x, rolled.y)
-            self._at = _Way(rolled.placed_in(self._at.path), self._at.seen, self._at.blind + way)
+            self._at = _Travel(rolled.placed_in(self._at.path), self._at.seen, self._at.blind + way)
         self._last_wheels = here
         ground = odometer.ground
         told = VisualOdometry(
@@ -165,12 +165,12 @@ class VisionPolicy:
             odometer = self._odometer = VisualOdometer(ground)
         return odometer
 
-    def _veto(self, seen: Seen, wheels: Pose | None, here: Whereabouts | None) -> Trouble:
-        """Why a motion that was seen is no measurement; WELL: it is one, or the wheels are silent."""
+    def _veto(self, seen: PictureMotion, wheels: Pose | None, here: Whereabouts | None) -> Trouble:
+        """Why a motion that was seen is no measurement; NO_TROUBLE: it is one, or the wheels are silent."""
         if seen.motion is None:
-            return WELL
+            return NO_TROUBLE
         if wheels is None or here is None or self._key_wheels is None:
-            return reasons.DOUBTED if self._is_doubted else WELL
+            return reasons.DOUBTED if self._is_doubted else NO_TROUBLE
         begin, off = self._key_wheels, seen.motion.seen_from(wheels)
         way, turn = math.hypot(wheels.x, wheels.y), abs(wheels.yaw)
         limit = _OFF_WAY + _OFF_SHARE * way + _ASIDE * turn + _late(begin.speed, here.speed)
@@ -182,7 +182,7 @@ class VisionPolicy:
             return reasons.DISAGREE
         if max(way, turn) > _TRUSTED_AGAIN:
             self._is_doubted = False
-        return reasons.DOUBTED if self._is_doubted else WELL
+        return reasons.DOUBTED if self._is_doubted else NO_TROUBLE
 
 
 def disagrees(told: VisualOdometry) -> bool:
@@ -206,6 +206,6 @@ def _late(begin: float, end: float) -> float:
 
 
 def _between(begin: Whereabouts | None, end: Whereabouts | None) -> Pose | None:
-    if begin is None or end is None or begin.origin != end.origin:
+    if begin is None or end is None or begin.segment != end.segment:
         return None
     return end.pose.seen_from(begin.pose)

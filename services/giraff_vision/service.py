@@ -18,7 +18,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.camera import HOLD_ENDS, CameraHold, Picture, PictureSize, VisualOdometry
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, ODOM, VISUAL_ODOM
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_vision import reasons
 from giraff_vision.config import VisionConfig
 from giraff_vision.ground import PictureError
@@ -62,30 +62,30 @@ class Vision:
         self.timers = (self._timer,)
         self._turned = -math.inf
         self._heard = self._disagreed = self._pictured = self._compared = io.monotonic()
-        self._notice = WELL
+        self._notice = NO_TROUBLE
 
     def turn(self, now: float) -> None:
         if now - self._turned > HOLD_ENDS:  # the machine slept: that wish is over
             self._ask(now)
         self._turned = now
         self._asker.want("full", now)
-        for odometry in self._odometry.take():
+        for odometry in self._odometry.pop_all():
             self._heard = now
             self._policy.on_odometry(odometry)
-        for state in self._states.take():
+        for state in self._states.pop_all():
             if self._asker.state is not None and self._asker.state.instance != state.instance:
                 self._ask(now)  # the camera has started again
             self._say(self._asker.on_state(state, self._io.instance, now))
         for size, inbox in self._pictures.items():
-            for picture in inbox.take():
+            for picture in inbox.pop_all():
                 if self._asker.takes(picture, size):
                     self._say(self._asker.on_picture(picture, size, now))
-                    self._look(picture, now)
+                    self._on_picture(picture, now)
         if self._asker.size != self._listens:
             self._listens = self._asker.size
             self._asker.listen(self._listens)
         if self._timer.due(now):
-            self._tell(now)
+            self._report(now)
 
     def end(self) -> None:
         """Nothing is left to say: it looks no longer once its words are missing."""
@@ -98,13 +98,13 @@ class Vision:
         if hold is not None:
             self._holds.put(hold)
 
-    def _look(self, picture: Picture, now: float) -> None:
+    def _on_picture(self, picture: Picture, now: float) -> None:
         try:
             told = self._policy.on_picture(picture, grey_of(picture.jpeg, self._model))
         except PictureError as error:
             self._io.set_fault("pictures", error.trouble)
             return
-        self._io.set_fault("pictures", WELL)
+        self._io.set_fault("pictures", NO_TROUBLE)
         self._out.put(told)
         if told.wheels is not None:
             self._compared = now
@@ -113,18 +113,18 @@ class Vision:
             self._disagreed = now
             self._notice = self._notice or _disagreement(told)
 
-    def _tell(self, now: float) -> None:
+    def _report(self, now: float) -> None:
         self._io.set_notice("camera", self._asker.trouble(now))
         if now - self._disagreed > SETTLED:
-            self._notice = WELL
+            self._notice = NO_TROUBLE
         self._io.set_notice("wheels", self._notice)
         is_alone = self._pictured - self._compared > SILENCE
-        self._io.set_notice("odom", _NO_ODOM if now - self._heard > SILENCE else _LATE_ODOM if is_alone else WELL)
+        self._io.set_notice("odom", _NO_ODOM if now - self._heard > SILENCE else _LATE_ODOM if is_alone else NO_TROUBLE)
 
 
 def _disagreement(told: VisualOdometry) -> Trouble:
-    """Return what people are told of a disagreement; WELL: it is small."""
+    """Return what people are told of a disagreement; NO_TROUBLE: it is small."""
     if told.motion is None or told.wheels is None:
-        return WELL
+        return NO_TROUBLE
     seen, wheels = Pose(*told.motion), Pose(*told.wheels)
-    return reasons.disagreement(seen, wheels) if is_large(seen.seen_from(wheels)) else WELL
+    return reasons.disagreement(seen, wheels) if is_large(seen.seen_from(wheels)) else NO_TROUBLE

@@ -17,7 +17,7 @@ _GAP: Final = 0.1
 class Whereabouts(NamedTuple):
     """Of the wheels at one moment."""
 
-    origin: tuple[int, str, int]
+    segment: tuple[int, str, int]
     """Between two of which this differs lies no motion."""
     pose: Pose
     """In `odom`."""
@@ -36,7 +36,7 @@ class WheelPath:
     def add(self, sample: Odometry) -> None:
         """Take the next sample. An older one than the last is passed over."""
         last = self._samples[-1] if self._samples else None
-        if last is not None and _origin(last) != _origin(sample):
+        if last is not None and _segment(last) != _segment(sample):
             self._samples.clear()
         elif last is not None and sample.tick.robot_ns <= last.tick.robot_ns:
             return
@@ -54,8 +54,8 @@ class WheelPath:
         if seconds > _GAP:
             return None
         pose = Pose(before.x, before.y, before.yaw).moved(before.linear_x * seconds, before.angular_z * seconds)
-        return Whereabouts(_origin(before), pose, before.linear_x, before.angular_z)
+        return Whereabouts(_segment(before), pose, before.linear_x, before.angular_z)
 
 
-def _origin(sample: Odometry) -> tuple[int, str, int]:
-    return sample.tick.epoch, *sample.origin
+def _segment(sample: Odometry) -> tuple[int, str, int]:
+    return sample.tick.epoch, *sample.segment

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from giraff_schemas.camera import CameraState, Picture, PictureSize
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.messages import CameraView, Looking
 from giraff_web.pages import Pages
 
@@ -50,7 +50,7 @@ class PictureSource(Protocol):
     @property
     def trouble(self) -> Trouble: ...
     def want(self, *, largest: PictureSize = "full") -> None: ...
-    def take(self) -> Picture | None: ...
+    def pop_picture(self) -> Picture | None: ...
     def close(self) -> None: ...
 
 
@@ -71,7 +71,7 @@ class _Page:
         """When it was sent."""
 
 
-class PagesLooking:
+class PageCameras:
     """Times are seconds of any one monotonic clock."""
 
     def __init__(self, pages: Pages, by: str, open_source: OpenSource | None) -> None:
@@ -99,7 +99,7 @@ class PagesLooking:
             return None
         if now - self._heard > SILENT:
             return CameraView(askers=(), why=_NO_CAMERA)
-        why = (self._source.trouble if self._source is not None else WELL) or self._state.reason
+        why = (self._source.trouble if self._source is not None else NO_TROUBLE) or self._state.reason
         return CameraView(askers=tuple(asker.by for asker in self._state.askers), why=why)
 
     def on_state(self, state: CameraState, now: float) -> None:
@@ -115,7 +115,7 @@ class PagesLooking:
     def switch(self, page: int, device: str, *, on: bool) -> None:
         """A person has switched it on or off at a page that may drive."""
         if not on:
-            self._end(page, WELL)
+            self._end(page, NO_TROUBLE)
         elif self._state is None or self._open is None:
             self._end(page, _NO_CAMERA)
         else:
@@ -123,7 +123,7 @@ class PagesLooking:
                 self._counts_from = -math.inf
             self._looking.setdefault(page, _Page(device))
             self._largest, self._quick = "small", 0  # nothing is known of the link to this page
-            self._tell.tell(page, Looking(on=True, why=WELL))
+            self._tell.send(page, Looking(on=True, why=NO_TROUBLE))
             if self._source is not None:
                 self._source.by = self._named()
 
@@ -159,7 +159,7 @@ class PagesLooking:
             return
         assert self._source is not None  # noqa: S101  it was opened
         self._source.want(largest=self._largest)
-        if (picture := self._source.take()) is not None:
+        if (picture := self._source.pop_picture()) is not None:
             self._n += 1
             tick = picture.tick
             header = _HEADER.pack(self._n, *((tick.epoch, tick.robot_ns) if tick is not None else (0, 0)))
@@ -187,7 +187,7 @@ class PagesLooking:
 
     def _end(self, page: int, why: Trouble) -> None:
         self._looking.pop(page, None)
-        self._tell.tell(page, Looking(on=False, why=why))
+        self._tell.send(page, Looking(on=False, why=why))
         self._close_unseen()
 
     def _close_unseen(self) -> None:

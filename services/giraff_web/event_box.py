@@ -52,7 +52,7 @@ class EventBox:
             case Closed():
                 self._close(event)
 
-    def take(self) -> Iterable[Event]:
+    def pop_all(self) -> Iterable[Event]:
         """All of them."""
         taken = list(self._events.values())
         self._events.clear()

@@ -8,7 +8,7 @@ from typing import Final
 from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.config import WebConfig
 from giraff_web.messages import LetGo, Moment, PageWish, robot_time
 from giraff_web.phone import PhoneTilt
@@ -46,8 +46,8 @@ class PageHand:
         """m/s and rad/s."""
         self.tick: RobotTime | None = None
         """Of the newest wish that counts, as the page gave it back: never a newer one."""
-        self.lost = WELL
-        """Why the page has lost the hand, until nothing is held any more; WELL: it has not."""
+        self.lost = NO_TROUBLE
+        """Why the page has lost the hand, until nothing is held any more; NO_TROUBLE: it has not."""
         self._share = min(1.0, config.slow_speed / robot.max_wheel_speed)
         self._robot = robot
         self._phone = PhoneTilt(config, robot)
@@ -61,15 +61,15 @@ class PageHand:
         if wish.n <= self._n:
             return  # said before: a recorded one comes again
         self._n = wish.n
-        self.look(now)  # it may be this host that stood still
+        self.check_silence(now)  # it may be this host that stood still
         tick = time_of(wish.tick)
         if newest is None or age(tick, newest) > WISH_LASTS or self._is_behind(tick):
             self.lose(_TOO_OLD)
             return
         self.tick, self._heard = tick, now
-        by_phone = self._phone.take(wish, now) if wish.input == "tilt" else None
+        by_phone = self._phone.on_wish(wish, now) if wish.input == "tilt" else None
         if not wish.hold:
-            self._end(WELL)
+            self._end(NO_TROUBLE)
             return
         asks = self._by_touch(wish) if by_phone is None else by_phone
         if wish.hold > self._hold:
@@ -89,7 +89,7 @@ class PageHand:
             return
         self._n = message.n
         why = _LOST.get(message.why, "")
-        self._end(Trouble(why, _AGAIN) if why and self.holds else WELL)
+        self._end(Trouble(why, _AGAIN) if why and self.holds else NO_TROUBLE)
 
     def lose(self, why: Trouble) -> None:
         """Whatever is held now does not count any more."""
@@ -100,7 +100,7 @@ class PageHand:
         """Whether its page, which holds nothing, says nothing either: it is hidden, or put away."""
         return now - self._heard > OUT_OF_SIGHT
 
-    def look(self, now: float) -> None:
+    def check_silence(self, now: float) -> None:
         """Find out whether it has gone silent."""
         if now - self._heard > SILENCE:
             self.lose(_SILENT)
@@ -108,7 +108,7 @@ class PageHand:
     def _begin(self, wish: PageWish, asks: tuple[float, float]) -> None:
         self._hold, self._input = wish.hold, wish.input
         if asks == (0.0, 0.0):
-            self.holds, self.lost = True, WELL
+            self.holds, self.lost = True, NO_TROUBLE
         else:
             self._end(Trouble("it moved before it was put down", _AGAIN))
 

@@ -47,7 +47,7 @@ class Rate:
         self._per_second = self._left = per_second
         self._at = now
 
-    def take(self, now: float) -> bool:
+    def admit(self, now: float) -> bool:
         """Whether one more may."""
         self._left = min(self._per_second, self._left + (now - self._at) * self._per_second)
         self._at = now
@@ -57,7 +57,7 @@ class Rate:
         return True
 
 
-class Credit:
+class SendWindow:
     """Which states a page was sent and has not shown yet: so many that it gets no more, or for too long."""
 
     def __init__(self) -> None:

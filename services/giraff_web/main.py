@@ -56,7 +56,7 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
     from giraff_web.server.certificates import CertificateProblemError  # noqa: PLC0415  its libraries may be missing
     from giraff_web.server.server import PortError, Server  # noqa: PLC0415
 
-    def look(camera: str, by: str) -> PictureSource:
+    def open_source(camera: str, by: str) -> PictureSource:
         return PictureClient(node.network, node.robot.name, camera, by)
 
     try:
@@ -70,7 +70,7 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
                 node.set_page(
                     WebPage(port=server.port, hosts=site.reached_at, certificate=site.certificate.fingerprint)
                 )
-                node.run(Web(node, config, node.robot, server, node.log.info, room, look))
+                node.run(Web(node, config, node.robot, server, node.log.info, room, open_source))
     except (_RoomError, CertificateProblemError, PortError) as error:
         node.log.error("%s", error)
         sys.exit(_REFUSED)

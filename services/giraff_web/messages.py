@@ -93,7 +93,7 @@ class Reset(_FromPage, frozen=True, kw_only=True, tag="reset"):
             raise ValueError(f"id {self.id}, engaged_ns {self.engaged_ns}: no stop is called so")
 
 
-class Seen(_FromPage, frozen=True, kw_only=True, tag="seen"):
+class StateSeen(_FromPage, frozen=True, kw_only=True, tag="seen"):
     """The page has shown the state of this number: it may be sent newer ones."""
 
     n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
@@ -118,7 +118,7 @@ class PictureSeen(_FromPage, frozen=True, kw_only=True, tag="picture_seen"):
     n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 32)]
 
 
-FromPage = PageWish | LetGo | Stop | Reset | Seen | End | Look | PictureSeen
+FromPage = PageWish | LetGo | Stop | Reset | StateSeen | End | Look | PictureSeen
 
 
 class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):
@@ -172,7 +172,7 @@ class Hello(_ToPage, frozen=True, kw_only=True, tag="hello"):
 class Direction(msgspec.Struct, frozen=True, kw_only=True):
     """The guard's verdict on one way."""
 
-    freedom: str
+    clearance: str
     """free, slow, creep or blocked."""
     allowed: float
     """m/s or rad/s."""
@@ -268,7 +268,7 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """Cause, where the robot does not drive as this service's hand asks, or would not."""
     stop: Latch | None
     stop_outcome: Trouble
-    """Outcome of a stop or a release that was asked for here. `WELL`: nothing is open."""
+    """Outcome of a stop or a release that was asked for here. `NO_TROUBLE`: nothing is open."""
     directions: dict[str, Direction] | None
     """By forward, backward, turn_left, turn_right."""
     ranges: dict[str, Echo]
@@ -276,7 +276,7 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """x, y (m) and yaw (rad) in odom."""
     covariance: tuple[float, float, float] | None
     """m². xx, xy and yy of `pose`."""
-    origin: str
+    segment: str
     """Another one: the pose was set from outside, and the path begins anew."""
     speed: tuple[float, float] | None
     """m/s and rad/s, by the wheels."""
@@ -302,7 +302,7 @@ class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):
     """This page's hold does not count, or does again."""
 
     why: Trouble
-    """`WELL`: it counts, or there is none."""
+    """`NO_TROUBLE`: it counts, or there is none."""
 
 
 class Looking(_ToPage, frozen=True, kw_only=True, tag="looking"):

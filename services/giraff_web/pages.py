@@ -59,7 +59,7 @@ class Pages(Selectable, Protocol):
         """Answer those whose stop an earlier turn has taken: base says in this turn that it stands."""
         ...
 
-    def tell(self, page: int, message: Hello | Refused | Looking) -> None:
+    def send(self, page: int, message: Hello | Refused | Looking) -> None:
         """Tell one page; nothing when it is gone."""
         ...
 

@@ -14,7 +14,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.tilt.clutch import BOUNCE, Clutch, Vector, Words
 from giraff_core.tilt.curves import CurveConfig, asked
 from giraff_core.tilt.disturbance import Disturbance
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.messages import PageWish, Reading
 
 SILENCE: Final = 0.3
@@ -53,10 +53,10 @@ class PhoneTilt:
         self._heard = -math.inf
         self._lifted: float | None = None
         self._asks = (0.0, 0.0)
-        self._trouble = WELL
+        self._trouble = NO_TROUBLE
         self._forget()
 
-    def take(self, wish: PageWish, now: float) -> tuple[float, float]:
+    def on_wish(self, wish: PageWish, now: float) -> tuple[float, float]:
         """m/s and rad/s that are asked for by what this wish brings. `fault` says whether they count."""
         if wish.angle != self._angle:
             self._angle = wish.angle
@@ -68,12 +68,12 @@ class PhoneTilt:
         return (0.0, 0.0) if self._clutch.engaged else self._asks
 
     def fault(self, now: float) -> Trouble:
-        """Why the hand is lost; WELL: it is not."""
-        return self._trouble or (_SILENT if now - self._heard > SILENCE else WELL)
+        """Why the hand is lost; NO_TROUBLE: it is not."""
+        return self._trouble or (_SILENT if now - self._heard > SILENCE else NO_TROUBLE)
 
     def _begin(self, hold: int) -> None:
         self._hold, self._asks = hold, (0.0, 0.0)
-        self._trouble = WELL if not hold or self._is_lifted else _TOO_SOON
+        self._trouble = NO_TROUBLE if not hold or self._is_lifted else _TOO_SOON
         self._lifted = None
 
     @property
@@ -90,10 +90,10 @@ class PhoneTilt:
         if not self._hold:
             self._lifted = at if self._lifted is None else self._lifted
         vector = self._in_screen(axes[0], axes[1], axes[2])
-        self._clutch.take(vector, at, pressed=not self._hold)
+        self._clutch.on_reading(vector, at, pressed=not self._hold)
         self._asks = asked(self._clutch.relative(vector), self._config, self._robot)
         if trouble := self._disturbance.judge(vector, at) or self._clutch.refusal:
-            self._trouble = trouble if self._hold else WELL
+            self._trouble = trouble if self._hold else NO_TROUBLE
 
     def _in_screen(self, x: float, y: float, z: float) -> Vector:
         """Forward, left and up of the screen as it is read, as the joystick's axes: forward grows when it dips there.

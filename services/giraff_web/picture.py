@@ -11,9 +11,9 @@ from giraff_core.latest import LatestSamples
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import Attitude, EStop, GuardState, Odometry, Range, Sample, Verdict
+from giraff_schemas.messages import Attitude, DirectionLimit, EStop, GuardState, Odometry, Range, Sample
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, POSE, RANGE, SampleT, Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, MapView, Part, State, moment
 from giraff_web.policy import WebPolicy
 
@@ -32,7 +32,7 @@ class Picture:
         self._robot, self._is_open = robot, is_open
         self._latest = LatestSamples()
         self._trail: deque[tuple[float, float]] = deque(maxlen=_POINTS)
-        self._origin: tuple[str, int] | None = None
+        self._segment: tuple[str, int] | None = None
         self._room_fits = True
         self._n = 0
 
@@ -50,11 +50,11 @@ class Picture:
             for name, pose, model in found
         }
 
-    def take(self, sample: Sample, now: float) -> None:
+    def on_sample(self, sample: Sample, now: float) -> None:
         """Take what the robot says."""
         if isinstance(sample, Range) and sample.sensor not in self._robot.sensors:
             return
-        self._latest.take(sample, now)
+        self._latest.add(sample, now)
         if isinstance(sample, Odometry):
             self._go_on(sample)
 
@@ -67,7 +67,7 @@ class Picture:
         operator, asked = policy.operator, policy.poll(now)
         age = now - operator.heard
         driver = policy.driver if operator.holds else None
-        own = asked.trouble if isinstance(asked, Fault) else operator.refusal if operator.holder else WELL
+        own = asked.trouble if isinstance(asked, Fault) else operator.refusal if operator.holder else NO_TROUBLE
         nobody_asks = base and guard and not (own or operator.holder)
         return State(
             n=self._n,
@@ -77,14 +77,14 @@ class Picture:
             device=driver.device if driver else "",
             page=driver.page if driver else 0,
             armed=base.armed if base else None,
-            why=WELL if nobody_asks else what_stops(own, base, guard),
+            why=NO_TROUBLE if nobody_asks else what_stops(own, base, guard),
             stop=_latch(estop, is_open=self._is_open) if estop else None,
             stop_outcome=stop_outcome,
             directions=_directions(guard) if guard else None,
             ranges={sensor: self._echo(sensor, now) for sensor in self._robot.sensors},
             pose=(round(odom.x, 4), round(odom.y, 4), round(odom.yaw, 4)) if odom else None,
             covariance=_place_covariance(odom) if odom else None,
-            origin=f"{odom.instance}:{odom.jumps}" if odom else "",
+            segment=f"{odom.instance}:{odom.jumps}" if odom else "",
             speed=(round(odom.linear_x, 3), round(odom.angular_z, 3)) if odom else None,
             path=round(odom.path, 3) if odom else None,
             battery=round(battery.voltage, 2) if battery else None,
@@ -97,9 +97,9 @@ class Picture:
         )
 
     def _go_on(self, odom: Odometry) -> None:
-        if odom.origin != self._origin:
-            self._room_fits = self._origin is None and odom.jumps == 0
-            self._origin = odom.origin
+        if odom.segment != self._segment:
+            self._room_fits = self._segment is None and odom.jumps == 0
+            self._segment = odom.segment
             self._trail.clear()
         here = odom.x, odom.y
         if not self._trail or math.dist(self._trail[-1], here) >= _APART:
@@ -172,6 +172,6 @@ def _directions(guard: GuardState) -> dict[str, Direction]:
     return {way: _direction(verdict) for way, verdict in ways.items()}
 
 
-def _direction(verdict: Verdict) -> Direction:
+def _direction(verdict: DirectionLimit) -> Direction:
     allowed = round(verdict.allowed, 3)
-    return Direction(freedom=verdict.freedom, allowed=allowed, sensor=verdict.sensor, reason=verdict.reason)
+    return Direction(clearance=verdict.clearance, allowed=allowed, sensor=verdict.sensor, reason=verdict.reason)

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 from giraff_core.operator import ASKING, Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.config import WebConfig
 from giraff_web.hand import PageHand
 from giraff_web.messages import LetGo, PageWish
@@ -46,7 +46,7 @@ class WebPolicy(Hand):
         self._robot = robot
         self._pages: dict[int, _Page] = {}
         self._asker = 0  # the only page whose hand drives under the lease in force
-        self._gone = WELL
+        self._gone = NO_TROUBLE
         self._tick: RobotTime | None = None
 
     def on_opened(self, page: int, device: str, *, may_drive: bool) -> None:
@@ -90,13 +90,13 @@ class WebPolicy(Hand):
             page.hand.lose(Trouble(f"STOP was asked for on the page of {device}"))
 
     def lost(self) -> dict[int, Trouble]:
-        """By page, why what it holds does not count; WELL: it does, or it holds nothing."""
+        """By page, why what it holds does not count; NO_TROUBLE: it does, or it holds nothing."""
         return {number: page.hand.lost for number, page in self._pages.items()}
 
     def poll(self, now: float) -> Wish | Fault:
         """What the newest hand asks, with its own tick however often it is repeated."""
         for page in self._pages.values():
-            page.hand.look(now)
+            page.hand.check_silence(now)
         driving = self._pages.get(self.driver.page)
         holds = self.operator.holds
         if driving is None or not (holds or driving.hand.holds):
@@ -122,7 +122,7 @@ class WebPolicy(Hand):
         if page != self._asker:
             self._asker = page
             self.operator.give_up()
-        self._gone = WELL
+        self._gone = NO_TROUBLE
         self.driver = Driver(page, self._pages[page].device)
 
 
@@ -131,4 +131,4 @@ def _lost_by(page: _Page, now: float) -> Trouble:
         return page.hand.lost.of(page.device)
     if not page.hand.holds and page.hand.is_out_of_sight(now):
         return Trouble(f"the page of {page.device} is out of sight", "whoever touches a page drives")
-    return WELL
+    return NO_TROUBLE

@@ -28,8 +28,8 @@ from giraff_schemas.topics import (
     RANGE,
     Topic,
 )
-from giraff_schemas.trouble import WELL, Trouble
-from giraff_web.camera import OpenSource, PagesLooking
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_web.camera import OpenSource, PageCameras
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
 from giraff_web.messages import Hello, LetGo, Look, PageWish, PictureSeen, Refused, Reset, Room
@@ -67,7 +67,7 @@ class Web(OperatorService):
         self._picture = Picture(robot, is_open=io.is_open)
         self._by = f"{config.operator}@{io.hostname}"
         self._stops = Stops(self._engage, self._reset, self._log, is_open=io.is_open)
-        self._looking = PagesLooking(pages, self._by, open_source)
+        self._looking = PageCameras(pages, self._by, open_source)
         super().__init__(io, self._policy)
         self.link = pages
         told = (BASE, GUARD, ESTOP, BATTERY, RANGE, CAMERA_STATE)
@@ -84,13 +84,13 @@ class Web(OperatorService):
         policy = self._policy
         # Before the ticks: a wish is of one that its page held already.
         for event in self._pages.poll():
-            self._take(event, now)
-        self.hear(now)
-        for sample in (sample for inbox in self._told for sample in inbox.take()):
+            self._on_event(event, now)
+        self.read_inboxes(now)
+        for sample in (sample for inbox in self._told for sample in inbox.pop_all()):
             if isinstance(sample, CameraState):
                 self._looking.on_state(sample, now)
                 continue
-            self._picture.take(sample, now)
+            self._picture.on_sample(sample, now)
             if isinstance(sample, EStop):
                 self._stops.on_estop(sample, now)
         self._stops.poll(now)
@@ -113,12 +113,12 @@ class Web(OperatorService):
         super().on_said(asked, now)
         self._tell_pages()
 
-    def _take(self, event: Event, now: float) -> None:
+    def _on_event(self, event: Event, now: float) -> None:
         policy = self._policy
         match event:
             case Opened():
                 policy.on_opened(event.page, event.device, may_drive=event.may_drive)
-                self._pages.tell(event.page, self._hello(event))
+                self._pages.send(event.page, self._hello(event))
             case Closed():
                 policy.on_closed(event.page)
                 self._looking.on_closed(event.page)
@@ -130,7 +130,7 @@ class Web(OperatorService):
                 self._looking.on_seen(page, n, now)
             case Said():
                 self._take_said(event, now)
-                self.timer.hurry("page", now)
+                self.timer.fire_now("page", now)
 
     def _take_said(self, said: Said, now: float) -> None:
         page, policy = said.page, self._policy
@@ -171,8 +171,8 @@ class Web(OperatorService):
             self._driver = driver
             self._log(f"{driver.device} drives" if driver.page else "nobody's page drives any more")
         for page, why in lost.items():
-            if why != self._lost.get(page, WELL):
-                self._pages.tell(page, Refused(why=why))
+            if why != self._lost.get(page, NO_TROUBLE):
+                self._pages.send(page, Refused(why=why))
                 if why:
                     self._log(str(why.of(self._policy.device(page))))
         self._lost = lost

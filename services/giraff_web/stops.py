@@ -15,7 +15,7 @@ from giraff_core.estop.release import EStopRelease
 from giraff_core.estop.request import EStopRequest, Request
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopReset
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _STANDS: Final = 2.5  # s: a reset may be 1 s old, and then wait 1 s for base's disk
 _ONE_WISH: Final = 1.0  # s; a page says each stop in two ways, and again until it is shown
@@ -54,7 +54,7 @@ class Stops:
 
     @property
     def outcome(self) -> Trouble:
-        """Return what became of a stop or a release that was asked for. WELL: nothing is open."""
+        """Return what became of a stop or a release that was asked for. NO_TROUBLE: nothing is open."""
         return self._stop.outcome if self.asked else self._release.outcome or self._stop.refused_off
 
     def stop(self, device: str, now: float, *, off: bool = False) -> None:
@@ -85,7 +85,7 @@ class Stops:
                 self._stands_since = None
             return
         if not self._release.is_asked:
-            self._release.outcome = WELL
+            self._release.outcome = NO_TROUBLE
         if since is not None:
             self._stands_since = None
             what = f"STILL STOPPED: {self._device} asked for STOP meanwhile"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_sim.dst.drill import play
 from giraff_sim.dst.scenarios import draw
+from giraff_sim.dst.simulated_run import play
 from tests.dst.breaks import BREAKS, Break
 from tests.dst.stage import SETTINGS, rules
 

@@ -9,8 +9,8 @@ from typing import Final
 import msgspec
 import pytest
 
-from giraff_sim.dst.drill import SECONDS
 from giraff_sim.dst.many import Totals, run_many, run_one
+from giraff_sim.dst.simulated_run import SECONDS
 from tests.support.report import report
 
 SEEDS: Final = 2_000
@@ -34,7 +34,7 @@ def totals() -> Iterator[Totals]:
 def test_no_seed_violates_an_invariant(first: int, totals: Totals) -> None:
     failed = len(totals.failures)
     for outcome in run_many(range(first, first + LEG), os.cpu_count() or 1):
-        totals.take(outcome, SECONDS)
+        totals.add(outcome, SECONDS)
     assert totals.failures[failed:] == []
 
 

@@ -8,8 +8,8 @@ from random import Random
 from typing import Final
 
 from giraff_schemas.messages import DriveCommand, GuardedCommand, Lease, Range, Tick, Wheels
-from giraff_sim.dst.drill import Begin, Course, Drill
-from giraff_sim.record import Verdict
+from giraff_sim.dst.simulated_run import Begin, Course, SimulatedRun
+from giraff_sim.record import MotorWindow
 from giraff_sim.world.hand import LEVEL
 from tests.dst.courses import cut, hold_frames, replay, watch
 from tests.dst.stage import FORWARD, SET_OFF, at, driving, stage
@@ -23,10 +23,10 @@ _SAID: Final = 3.5  # s
 def wall_clocks(operator: float, robot: float) -> Begin:
     """Set both machines' wall clocks wrong, s."""
 
-    def course(drill: Drill, chance: Random) -> Course:
+    def course(run: SimulatedRun, chance: Random) -> Course:
         del chance
         for name, ahead in (("operator", operator), ("robot", robot)):
-            drill.loop.hosts[name].wall_ahead_ns = round(ahead * 1e9)
+            run.loop.hosts[name].wall_ahead_ns = round(ahead * 1e9)
         yield "the wall clocks are wrong"
 
     return course
@@ -34,7 +34,7 @@ def wall_clocks(operator: float, robot: float) -> Begin:
 
 def say_a_stream_again(operator: float, robot: float, late: Sequence[float]) -> None:
     """So many s after it was said; the robot is armed, the lease held, the hand level: it is all that could move it."""
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
     again = partial(replay, since=SET_OFF, until=_SAID)
     befalls = [at(0.1, wall_clocks(operator, robot))]
     for each in late:
@@ -55,7 +55,7 @@ def say_a_stream_again(operator: float, robot: float, late: Sequence[float]) -> 
 
 def hold_in_tcp(lasts: float) -> None:
     """Cut the network for so long, s; what was said meanwhile comes after it."""
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
     outcome = stage(at(2.5, cut("holds"), lasts), at(2.95, watch(verdicts), lasts + 1.5), seconds=lasts + 4.5)
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]
@@ -67,7 +67,7 @@ def hold_in_the_serial_line(held: float) -> None:
 
     Among them are zero ones, which open the board's latch, and then such with levels; the hand is level again.
     """
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
     outcome = stage(
         at(2.5, hold_frames, held),
         at(2.5 + 0.35, watch(verdicts), held + 0.5),

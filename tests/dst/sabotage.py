@@ -12,8 +12,8 @@ from giraff_base.service import Base
 from giraff_core.estop.latch import RELEASED
 from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
-from giraff_guard.kinds import Sensed
 from giraff_guard.policy import GuardPolicy
+from giraff_guard.registry import Sensed
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
@@ -87,14 +87,14 @@ class EagerBase(BasePolicy):
 
     def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
         super().on_command(command, now)
-        self._authority.arming.armed = True
+        self._permission.arming.armed = True
 
 
 class OpenGuard(GuardPolicy):
     """Obeys whoever wishes to drive, in the name of the holder, and no level hand."""
 
     def on_command(self, command: DriveCommand, robot_ns: int) -> bool:
-        authority = self._authority
+        authority = self._lease_holder
         if command.neutral and authority.command is not None and not authority.command.neutral:
             return False
         hurries = super().on_command(command, robot_ns)

@@ -6,7 +6,7 @@ from random import Random
 from typing import Final
 
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.drill import SIM, Befall, Begin, Kind, Outcome, Scenario, known_settings, play
+from giraff_sim.dst.simulated_run import SIM, Begin, Kind, Outcome, Scenario, ScheduledFault, known_settings, play
 from giraff_sim.settings import Services, Settings
 from giraff_sim.world.hand import LEVEL, Hand, ScriptedHand, StillHand
 from giraff_sim.world.room import Pose, Room
@@ -37,13 +37,13 @@ def level() -> Hand:
     return StillHand()
 
 
-def at(moment: float, begin: Begin, lasts: float = 0.0) -> Befall:
+def at(moment: float, begin: Begin, lasts: float = 0.0) -> ScheduledFault:
     """Have `begin` happen at `moment`, for `lasts`, s."""
-    return Befall(Kind("staged", begin, 1.0, (lasts, lasts), 3.0), moment, Random(1))
+    return ScheduledFault(Kind("staged", begin, 1.0, (lasts, lasts), 3.0), moment, Random(1))
 
 
 def stage(
-    *befalls: Befall,
+    *befalls: ScheduledFault,
     hand: Hand | None = None,
     seconds: float = 6.0,
     services: Services | None = None,

@@ -6,8 +6,8 @@ from typing import Final
 
 import pytest
 
-from giraff_sim.dst.drill import Outcome, play
 from giraff_sim.dst.scenarios import draw
+from giraff_sim.dst.simulated_run import Outcome, play
 from tests.dst.courses import cut_signal
 from tests.dst.test_stops import ROWS as STOCK
 from tests.dst.test_stops import Row, driven_ms

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 from giraff_cli.dst import explore as dst
 from giraff_cli.main import app
 from giraff_sim.dst import many
-from giraff_sim.dst.drill import Outcome
 from giraff_sim.dst.judging.judge import Violation
+from giraff_sim.dst.simulated_run import Outcome
 
 
 def outcome(seed: int, *violations: Violation) -> Outcome:
@@ -20,7 +20,7 @@ def outcome(seed: int, *violations: Violation) -> Outcome:
         seed=seed,
         motion_digest=f"digest-{seed}",
         violations=violations,
-        story=("  1.000 s  armed", "  2.000 s  VIOLATION (b): too old"),
+        events=("  1.000 s  armed", "  2.000 s  VIOLATION (b): too old"),
         counts={"armed": 2, "fault: cut": 1, "stop: forward blocked": 3},
         path=1.5,
         near=0.5,
@@ -46,7 +46,7 @@ def test_a_seed_that_fails_tells_its_story_and_how_to_have_it_again() -> None:
     assert ran.exit_code == 1
     assert ran.stderr.count("VIOLATION (b): too old") == 1
     assert (
-        f"motion digest-12, story {outcome(12).story_digest}; again with: giraff dst --seeds 1 --seed 12" in ran.stderr
+        f"motion digest-12, events {outcome(12).event_digest}; again with: giraff dst --seeds 1 --seed 12" in ran.stderr
     )
     assert "seeds: 5, 100 s simulated" in ran.stderr
     totals = json.loads(ran.stdout)

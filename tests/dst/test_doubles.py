@@ -8,9 +8,9 @@ import pytest
 
 from giraff_schemas.requests import EStopReset
 from giraff_schemas.wire import BoardKind, ResetCause
-from giraff_sim.dst.drill import Begin, Course, Drill, Outcome
 from giraff_sim.dst.people import double
-from giraff_sim.record import Verdict
+from giraff_sim.dst.simulated_run import Begin, Course, Outcome, SimulatedRun
+from giraff_sim.record import MotorWindow
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.hand import LEVEL
 from tests.dst.courses import cut, engage, kill, replay, stop, unplug, watch
@@ -22,7 +22,7 @@ WATCHED = 2.0  # s; what arms by itself drives 1.7 s after each of these faults
 
 def moves_nothing(befall: Begin, lasts: float, bound: float = 0.35, watched: float = WATCHED) -> Outcome:
     """That `befall` stops the robot within `bound`, s, and that nothing moves from then on."""
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
     outcome = stage(
         at(FAULT, befall, lasts),
         at(FAULT + bound, watch(verdicts), watched),
@@ -37,11 +37,11 @@ def moves_nothing(befall: Begin, lasts: float, bound: float = 0.35, watched: flo
 def second(name: str) -> Begin:
     """Start another process of a service, on the same machine."""
 
-    def course(drill: Drill, chance: Random) -> Course:
+    def course(run: SimulatedRun, chance: Random) -> Course:
         del chance
-        drill.loop.start(name, f"second {name}")
+        run.loop.start(name, f"second {name}")
         yield f"a second {name} starts"
-        drill.loop.kill(f"second {name}")
+        run.loop.kill(f"second {name}")
 
     return course
 
@@ -49,9 +49,9 @@ def second(name: str) -> Begin:
 def flickering(fault: Bno055Fault, on: float, off: float) -> Begin:
     """Let the tilt sensor fail and recover again and again, s."""
 
-    def course(drill: Drill, chance: Random) -> Course:
+    def course(run: SimulatedRun, chance: Random) -> Course:
         del chance
-        sensor, agenda = drill.loop.simulation.bno055, drill.loop.agenda
+        sensor, agenda = run.loop.simulation.bno055, run.loop.agenda
         assert sensor is not None
         moment = agenda.now_us
         for _ in range(round(WATCHED / (on + off))):
@@ -64,10 +64,10 @@ def flickering(fault: Bno055Fault, on: float, off: float) -> Begin:
 
 
 def board_reset(cause: ResetCause) -> Begin:
-    def course(drill: Drill, chance: Random) -> Course:
+    def course(run: SimulatedRun, chance: Random) -> Course:
         del chance
-        drill.loop.simulation.reset(BoardKind.BASE, cause)
-        drill.judge.on_reset(BoardKind.BASE)
+        run.loop.simulation.reset(BoardKind.BASE, cause)
+        run.judge.on_reset(BoardKind.BASE)
         yield "the base board is reset"
 
     return course
@@ -112,11 +112,11 @@ def test_a_ranger_that_was_missed_for_over_a_second() -> None:
 
 
 def test_a_second_joystick_of_the_same_name() -> None:
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
 
-    def another(drill: Drill, chance: Random) -> Course:
-        host = drill.loop.hosts["operator"]
-        drill.loop.launch("second joystick", lambda process: double(process, chance, drill.seconds), host)
+    def another(run: SimulatedRun, chance: Random) -> Course:
+        host = run.loop.hosts["operator"]
+        run.loop.launch("second joystick", lambda process: double(process, chance, run.seconds), host)
         yield "a second joystick starts"
 
     outcome = stage(at(2.0, another), at(2.0, watch(verdicts), 9.0), hand=level(), seconds=11.5)
@@ -125,7 +125,7 @@ def test_a_second_joystick_of_the_same_name() -> None:
 
 
 def test_a_reset_that_comes_again_four_seconds_late() -> None:
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
     outcome = stage(
         at(2.5, stop, 0.3),
         at(5.0, engage),
@@ -140,7 +140,7 @@ def test_a_reset_that_comes_again_four_seconds_late() -> None:
 
 
 def test_a_reset_that_comes_again_at_once_names_an_older_latch() -> None:
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
     outcome = stage(
         at(2.5, stop, 0.3),
         at(3.2, engage),
@@ -154,7 +154,7 @@ def test_a_reset_that_comes_again_at_once_names_an_older_latch() -> None:
 
 
 def test_a_reset_that_tcp_held_for_four_seconds_clears_nothing() -> None:
-    verdicts: list[Verdict] = []
+    verdicts: list[MotorWindow] = []
     outcome = stage(
         at(2.5, stop, 1.6),  # reset at 4.1, on its way through a link that is cut
         at(4.0, cut("holds"), 4.0),

@@ -15,16 +15,16 @@ import pytest
 
 from giraff_base.drives.wheels.config import BoardName
 from giraff_schemas.requests import EStopReset
-from giraff_sim.bodies.kinds import judge_of, world_of
+from giraff_sim.bodies.registry import judge_of, world_of
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.pins import Rises
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.drill import Drill
 from giraff_sim.dst.faults.robot import encoder
-from giraff_sim.dst.judging.freedom import Freedom
+from giraff_sim.dst.judging.clearance import ClearanceCheck
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
+from giraff_sim.dst.simulated_run import SimulatedRun
 from giraff_sim.truth import EXACT
-from giraff_sim.world.body import Way
+from giraff_sim.world.body import DriveDirection
 from giraff_sim.world.hand import LEVEL
 from tests.dst import sabotage
 from tests.dst.courses import (
@@ -195,15 +195,15 @@ def test_something_thin_ahead_is_no_free_way() -> None:
 
 
 def test_what_an_obstacle_left_behind_is_waited_for_whatever_else_befalls() -> None:
-    freedom = Freedom(world_of(hall(), SETTINGS.robot, SETTINGS.base.drive, SimConfig(), level(), 1), SETTINGS)
-    assert freedom.is_calm(0)
-    freedom.disturb()
-    freedom.disturb()
-    freedom.calm(from_us=18_000_000)
-    assert not freedom.is_calm(20_000_000)
-    freedom.calm(from_us=16_000_000)
-    assert not freedom.is_calm(17_999_999)
-    assert freedom.is_calm(18_000_000)
+    clearance = ClearanceCheck(world_of(hall(), SETTINGS.robot, SETTINGS.base.drive, SimConfig(), level(), 1), SETTINGS)
+    assert clearance.is_calm(0)
+    clearance.disturb()
+    clearance.disturb()
+    clearance.calm(from_us=18_000_000)
+    assert not clearance.is_calm(20_000_000)
+    clearance.calm(from_us=16_000_000)
+    assert not clearance.is_calm(17_999_999)
+    assert clearance.is_calm(18_000_000)
 
 
 def rise_too_fast(counts: Callable[[int], tuple[float, float]]) -> bool:
@@ -212,7 +212,7 @@ def rise_too_fast(counts: Callable[[int], tuple[float, float]]) -> bool:
     found = {}
     for ms in range(-400, 400, 4):
         left, right = counts(max(0, ms))
-        found[ms] = judged.look(left, right, ms * 1000) if left or right else ""
+        found[ms] = judged.judge(left, right, ms * 1000) if left or right else ""
     return any(wrong for ms, wrong in found.items() if ms >= 0)
 
 
@@ -290,9 +290,9 @@ def test_a_turn_in_place_is_no_travel(drives: tuple[float, float], goes: list[st
     body = WheelsBody(SETTINGS.robot, BY_SPEED, SimConfig(), hall(), EXACT)
     body.drives, body.plant.speed = drives, sum(drives) * 0.01
     judge = judge_of(body, SETTINGS.robot, SETTINGS.base, 0)
-    assert [way for way in get_args(Way) if judge.goes(way)] == goes
+    assert [way for way in get_args(DriveDirection) if judge.goes(way)] == goes
 
 
 def test_a_robot_without_encoders_has_none_cut() -> None:
-    drill = SimpleNamespace(loop=SimpleNamespace(simulation=SimpleNamespace(world=SimpleNamespace(body=None))))
-    assert list(encoder(cast(Drill, drill), Random(1))) == []
+    run = SimpleNamespace(loop=SimpleNamespace(simulation=SimpleNamespace(world=SimpleNamespace(body=None))))
+    assert list(encoder(cast(SimulatedRun, run), Random(1))) == []

@@ -8,7 +8,7 @@ from collections import deque
 import pytest
 
 from giraff_schemas.messages import Range
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.dst.judging.obstacles import Obstacles

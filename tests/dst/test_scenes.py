@@ -8,9 +8,9 @@ from typing import Final
 import msgspec
 import pytest
 
-from giraff_sim.dst.drill import Outcome, Scenario, play
 from giraff_sim.dst.faults.robot import bumper
 from giraff_sim.dst.scenarios import draw
+from giraff_sim.dst.simulated_run import Outcome, Scenario, play
 from giraff_sim.world.bno055 import GRAVITY, Bno055Fault, Vector
 from giraff_sim.world.hand import LEVEL, ScriptedHand
 from tests.dst.courses import fail_tilt_sensor
@@ -46,7 +46,7 @@ def test_no_rule_is_broken(scene: str) -> None:
 
 
 def test_the_wire_of_a_bumper_is_cut_where_the_robot_has_one() -> None:
-    assert any(each.kind.begin is bumper for seed in range(40) for each in draw(seed).befalls)
+    assert any(each.kind.begin is bumper for seed in range(40) for each in draw(seed).faults)
     bumped = msgspec.structs.replace(SETTINGS.robot, bumpers=BUMPED.bumpers)
     for robot, times in ((SETTINGS.robot, 0), (bumped, 1)):
         scenario = Scenario(1, hall(), level(), 0.1, (at(0.04, bumper, 0.04),))

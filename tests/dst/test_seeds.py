@@ -6,9 +6,9 @@ from typing import Final
 
 import pytest
 
-from giraff_sim.dst.drill import Outcome, play
 from giraff_sim.dst.marks import unreached
 from giraff_sim.dst.scenarios import KINDS, draw
+from giraff_sim.dst.simulated_run import Outcome, play
 from tests.dst.stage import SETTINGS
 
 DRAWN: Final[dict[tuple[int, float], tuple[str, ...]]] = {

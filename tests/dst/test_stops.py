@@ -8,8 +8,8 @@ import pytest
 
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.drill import SIM, Befall, Begin
-from giraff_sim.record import Verdict
+from giraff_sim.dst.simulated_run import SIM, Begin, ScheduledFault
+from giraff_sim.record import MotorWindow
 from giraff_sim.settings import Settings
 from giraff_sim.world.bno055 import Bno055Fault, Vector
 from giraff_sim.world.hand import LEVEL, ScriptedHand
@@ -106,13 +106,13 @@ ROWS: Final = {
 
 def driven_ms(
     row: Row,
-    *others: Befall,
+    *others: ScheduledFault,
     settings: Settings = SETTINGS,
     sim: SimConfig = SIM,
 ) -> float:
     """Once the bound has passed, of a robot that drove until the fault."""
-    before: list[Verdict] = []
-    after: list[Verdict] = []
+    before: list[MotorWindow] = []
+    after: list[MotorWindow] = []
     outcome = stage(
         at(FAULT - 0.1, watch(before), 0.1),
         *(at(FAULT + row.apart * place, befall, row.bound + WATCHED) for place, befall in enumerate(row.befalls)),
@@ -147,7 +147,7 @@ def test_without_a_fault_it_drives_on(bound: float, tilt: Vector) -> None:
 def test_a_wheel_that_is_held_three_times_within_a_minute_engages_the_emergency_stop() -> None:
     """Each time its operator has held the hand level and tilted it again; after the third that moves nothing."""
     tilts = [moment for start in (SET_OFF, 4.0, 6.5, 9.0) for moment in ((start - 1.0, LEVEL), (start, FORWARD))]
-    after: list[Verdict] = []
+    after: list[MotorWindow] = []
     outcome = stage(
         *(at(moment, brake_wheel(1, HAND), 0.3) for moment in (2.5, 5.0, 7.5)),
         at(8.0, watch(after), 3.0),

@@ -33,7 +33,7 @@ def main(robot: str, key: str, network: str) -> None:
     repair = LinkRepair(session, config, robot, "outside")  # as each service that stays
     with session, session.declare_subscriber(f"giraff/{robot}/{key}", on_sample):
         while True:
-            repair.look(time.monotonic())
+            repair.update(time.monotonic())
             time.sleep(0.2)
 
 

@@ -66,7 +66,7 @@ def _look(client: PictureClient, seconds: float, came: Came | None) -> None:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         client.want()
-        picture = client.take()
+        picture = client.pop_picture()
         if picture is not None and came is not None:
             came.pictures.append(_age(picture))
             came.bytes.append(len(picture.jpeg))

@@ -17,9 +17,9 @@ from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_node.network.session import certificates
 from tests.hosts.process_site import INSIDE, NAME, NUMBERS, PYTHON, ProcessSite
 from tests.hosts.switch import NETWORK
+from tests.support.keyboard_user import take
 from tests.support.process_robot import FULL_TILT
 from tests.support.terminals import screen
-from tests.support.typist import take
 from tests.support.waiting import wait
 
 pytestmark = pytest.mark.timeout(120)

@@ -64,7 +64,7 @@ def approach(number: int) -> float:
         rest = plant.clearance
         way = "backward" if backward else "forward"
         verdict = getattr(loop.newest["guard"], way)
-        assert verdict.freedom == "blocked"
+        assert verdict.clearance == "blocked"
         assert verdict.sensor
         assert verdict.reason.remedy
         if choose.random() < 0.5:

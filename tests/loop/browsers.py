@@ -15,7 +15,7 @@ from giraff_core.timer import Timer
 from giraff_schemas.messages import EStop
 from giraff_schemas.trouble import Trouble
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.hosts.event_queue import EventQueue
@@ -128,7 +128,7 @@ class Browser:
         assert isinstance(decoded, State)
         self._states.append((now + _ROUND_TRIP, decoded))
 
-    def take(self) -> Iterator[Event]:
+    def pop_all(self) -> Iterator[Event]:
         while self._events:
             yield self._events.popleft()
 
@@ -165,7 +165,7 @@ class Browsers:
 
     def drop(self, browser: Browser) -> None:
         """Its connection has ended."""
-        self._events.extend(browser.take())
+        self._events.extend(browser.pop_all())
         self._events.append(Closed(browser.number))
         del self.open[browser.number]
 
@@ -176,7 +176,7 @@ class Browsers:
         events = list(self._events)
         self._events.clear()
         for browser in self.open.values():
-            events.extend(browser.take())
+            events.extend(browser.pop_all())
         return events
 
     def show(self, state: State) -> None:
@@ -189,7 +189,7 @@ class Browsers:
     def send_picture(self, page: int, data: bytes) -> None:
         raise AssertionError(f"page {page} does not look, and is sent {len(data)} bytes")
 
-    def tell(self, page: int, message: Hello | Refused | Looking) -> None:
+    def send(self, page: int, message: Hello | Refused | Looking) -> None:
         if page not in self.open:
             return
         if isinstance(message, Hello):

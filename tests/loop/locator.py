@@ -41,7 +41,7 @@ class Locator:
         return None if self._newest is None else self._newest.tick
 
     def turn(self, now: float) -> None:
-        for odometry in self._odometry.take():
+        for odometry in self._odometry.pop_all():
             self._newest = odometry
         if self.timers[0].due(now) and (newest := self._newest) is not None:
             robot = Pose(newest.x, newest.y, newest.yaw)

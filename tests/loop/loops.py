@@ -11,7 +11,7 @@ import msgspec
 from giraff_core.sensors import Camera
 from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
 from giraff_sim.hosts.process import Observer

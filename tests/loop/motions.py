@@ -40,7 +40,7 @@ from giraff_schemas.topics import (
 )
 from giraff_schemas.trouble import Trouble
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.hosts.event_queue import EventQueue
@@ -96,7 +96,7 @@ class Requester:
         self._process.wake()
 
     def turn(self, now: float) -> None:
-        for tick in self._ticks.take():
+        for tick in self._ticks.pop_all():
             self.tick = tick.time
         if self._asking is not None and (answer := self._asking.poll(now)) is not None:
             self.answer, self._asking = answer, None

@@ -8,7 +8,7 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
-from giraff_cli.run.demonstration import Demonstration, Grip
+from giraff_cli.run.demonstration import Demonstration, JoystickHold
 from giraff_core.inbox import Inbox
 from giraff_core.io import Service
 from giraff_core.timer import Timer
@@ -44,7 +44,7 @@ class RunInPart:
 
     def __init__(self, process: Process, every: float) -> None:
         self.demonstration = Demonstration()
-        self.grips: list[tuple[float, Grip]] = []
+        self.grips: list[tuple[float, JoystickHold]] = []
         """Each other grip, with the moment (simulated s) since which it is held."""
         self.looks = 0
         self._process = process
@@ -56,7 +56,7 @@ class RunInPart:
             return
         self.looks += 1
         for inbox in self._heard:
-            for sample in inbox.take():
+            for sample in inbox.pop_all():
                 self.demonstration.on_sample(sample, now)
         grip = self.demonstration.grip(now)
         if not self.grips or grip != self.grips[-1][1]:
@@ -91,7 +91,7 @@ class Scene(SeenRobot):
         return made[0]
 
     @property
-    def grip(self) -> Grip:
+    def grip(self) -> JoystickHold:
         return self.run_in_part.grips[-1][1]
 
     def hold(self, key: bytes, seconds: float) -> None:

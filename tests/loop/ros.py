@@ -23,7 +23,7 @@ from giraff_ros2.config import Ros2Config
 from giraff_ros2.port import Received, Refused, RosPublisher
 from giraff_ros2.service import Ros2
 from giraff_ros2.topics import CMD_VEL, GOAL_POSE, RosTopic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_sim.hosts.process import Process
 from tests.loop.loops import SeenRobot
 from tests.loop.motions import Stage, stage
@@ -119,7 +119,7 @@ class RosDesk:
         self.published[topic.name] = message
         self.counts[topic.name] = self.counts.get(topic.name, 0) + 1
 
-    def take(self) -> Iterator[Received | Refused]:
+    def pop_all(self) -> Iterator[Received | Refused]:
         while self._heard:
             yield self._heard.popleft()
 
@@ -140,7 +140,7 @@ class RosDesk:
         return _AHEAD_NS + round(self.now * 1e9)
 
     def trouble(self) -> Trouble:
-        return WELL
+        return NO_TROUBLE
 
 
 class _Programs:

@@ -14,7 +14,7 @@ from giraff_core.timer import Timer
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.topics import ODOM, TICK, VISUAL_ODOM
-from giraff_sim.bodies.wheels.soldering import LEFT, RIGHT
+from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
 from giraff_sim.camera.renderer import Renderer
 from giraff_sim.camera.scene import Scene
 from giraff_sim.world.world import World
@@ -44,9 +44,9 @@ class Eye:
         self.timers = (self._timer,)
 
     def turn(self, now: float) -> None:
-        for tick in self._ticks.take():
+        for tick in self._ticks.pop_all():
             self._tick, self._ticked = tick.time, now
-        for odometry in self._odometry.take():
+        for odometry in self._odometry.pop_all():
             self._policy.on_odometry(odometry)
         if self._tick is None or not self._timer.due(now):
             return

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_guard.obstacles import Limited, Obstacles
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_sim.world.room import Pose, Room
 from tests.loop.deaf import run, run_drive, told
 from tests.loop.deaf_drives import Act, Drive
@@ -61,7 +61,7 @@ def test_what_a_sensor_heard_now_and_then_before_it_is_deaf_is_touched_slowly(
 
 def test_the_judge_sees_what_a_guard_that_lets_all_pass_touches(monkeypatch: pytest.MonkeyPatch) -> None:
     def all_of_it(guard: Obstacles, linear_x: float, angular_z: float, now: RobotTime) -> Limited:
-        return Limited(linear_x, angular_z, WELL, guard._sources[0].relied_on("forward", now))
+        return Limited(linear_x, angular_z, NO_TROUBLE, guard._sources[0].relied_on("forward", now))
 
     monkeypatch.setattr(Obstacles, "limit", all_of_it)
     box, far_wall = run(17).breaks

@@ -36,7 +36,7 @@ _LATEST = 150
 """ms"""
 
 TRUSTING = msgspec.structs.replace(
-    SETTINGS, guard=msgspec.structs.replace(SETTINGS.guard, unproved_linear=0.5, held_range=0.1)
+    SETTINGS, guard=msgspec.structs.replace(SETTINGS.guard, untrusted_speed=0.5, silent_range=0.1)
 )
 """A guard that lets the robot drive in the open for as far as it goes."""
 

@@ -46,8 +46,8 @@ class _Listener:
     def turn(self, now: float) -> None:
         del now
         for inbox in self._inboxes:
-            for sample in inbox.take():
-                self._hearing.hear(sample)
+            for sample in inbox.pop_all():
+                self._hearing.on_sample(sample)
 
     def end(self) -> None:
         """Nothing is left to say."""

@@ -75,7 +75,7 @@ class Stranger:
 
     def turn(self, now: float) -> None:
         del now
-        for asked in self._asked.take():
+        for asked in self._asked.pop_all():
             asked.answer(EStopAnswer(done=True, engaged=True, id=1, instance="stranger"))
 
     def end(self) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from giraff_base.drives.balancer.drive import BalancerDrive
 from giraff_keyboard.view import DriveView
-from giraff_node.config import misplaced
+from giraff_node.config import typos
 from giraff_node.config.robot_file import load
 from giraff_node.start import build
 from giraff_schemas import topics
@@ -144,7 +144,7 @@ def test_doctor_tells_what_follows_where_one_is_missing() -> None:
 
 @pytest.mark.parametrize("service", TURNING, ids=lambda service: service.name)
 def test_it_declares_what_the_table_says(service: Service) -> None:
-    config = misplaced.config_of(service.table)
+    config = typos.config_of(service.table)
     io = MagicMock(instance="one", hostname="host")
     io.store.read.side_effect = FileNotFoundError
     io.token.return_value = 1
@@ -199,7 +199,7 @@ def test_nothing_that_a_robot_runs_hears_the_truth() -> None:
 
 
 def test_each_table_of_the_robot_file_has_a_configuration() -> None:
-    configs = {table: misplaced.config_of(table) for table in ROBOT_TABLES if table != "network"}
+    configs = {table: typos.config_of(table) for table in ROBOT_TABLES if table != "network"}
     assert {table: config.__name__ for table, config in configs.items()} == {
         table: f"{table.capitalize()}Config" for table in configs
     }

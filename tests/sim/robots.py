@@ -1,6 +1,6 @@
 """The robots and rooms of these tests."""
 
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand

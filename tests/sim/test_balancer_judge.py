@@ -10,7 +10,7 @@ import pytest
 from giraff_schemas.wires.balancer import BalanceDriveFrame
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.judge import BalancerJudge
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control import messages
 from giraff_sim.control.control import Control

@@ -7,7 +7,7 @@ import pytest
 
 from giraff_schemas.wire import OPPOSITE_MS, STUCK_MS, BoardKind, DriveState, Latch, Refusal, ResetCause, Wiring
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.wheels.soldering import LEFT, RIGHT
+from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from tests.sim.line import BaseLine
@@ -89,7 +89,7 @@ def test_a_cut_encoder_stops_the_robot_in_half_a_second_whenever_it_is_cut(base:
 def test_what_is_soldered_the_other_way_round_stops_the_robot_as_it_starts(
     base: BaseLine, soldered: Wiring, cause: Latch, level: int
 ) -> None:
-    wheels_of(base.simulation.world).solder(soldered)
+    wheels_of(base.simulation.world).rewire(soldered)
     base.start()
     began_us = base.simulation.now_us
     base.drive(level, level, 1.0)
@@ -99,7 +99,7 @@ def test_what_is_soldered_the_other_way_round_stops_the_robot_as_it_starts(
 
 @pytest.mark.parametrize("soldered", [Wiring.SWAP_MOTORS, Wiring.SWAP_ENCODERS])
 def test_what_is_swapped_stops_a_robot_that_turns_on_the_spot(base: BaseLine, soldered: Wiring) -> None:
-    wheels_of(base.simulation.world).solder(soldered)
+    wheels_of(base.simulation.world).rewire(soldered)
     base.start()
     base.drive(35, 35, 1.0)
     assert latch(base) is Latch.NONE, "straight on, both are alike"
@@ -114,7 +114,7 @@ def test_an_encoder_that_turns_round_while_the_robot_drives_stops_it(base: BaseL
     base.start()
     base.drive(35, 35, 0.611)
     before = base.wheels.left_ticks
-    wheels_of(base.simulation.world).solder(Wiring.INVERT_LEFT_ENCODER)
+    wheels_of(base.simulation.world).rewire(Wiring.INVERT_LEFT_ENCODER)
     fault_us = base.simulation.now_us
     base.drive(35, 35, 0.02)
     assert abs(base.wheels.left_ticks - before) < 20, "soldering moves no encoder"
@@ -127,7 +127,7 @@ def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
     for soldered in WIRINGS:
         with simulation(world_in(empty_room()), ONLY_BASE, HOST) as running:
             base = BaseLine(running)
-            wheels_of(running.world).solder(soldered)
+            wheels_of(running.world).rewire(soldered)
             base.start(wiring=soldered)
             base.drive(40, 20, 0.5)
             base.drive(-40, 40, 0.5)

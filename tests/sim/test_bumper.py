@@ -9,7 +9,7 @@ import pytest
 from giraff_schemas.wire import BoardKind
 from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.simulation import simulation
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Pose

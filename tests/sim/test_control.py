@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.bodies.wheels.plant import STATES_PER_TICK
 from giraff_sim.control import messages
 from giraff_sim.control.client import SimulatorClient, SimulatorError
@@ -160,8 +160,8 @@ def test_faults(simulation: Simulation, control: Control) -> None:
         (b'{"op": "encoder", "wheel": "left", "cut": true}', "no base board here"),
         (b'{"op": "sonar", "number": 0, "fault": "wild_some", "wild_share": 1.5}', "must be in 0..1"),
         (b'{"op": "block", "wheel": "front", "blocked": true}', "wheel cannot be 'front'"),
-        (b'{"op": "solder", "wiring": 64}', "wiring must be at most 63"),
-        (b'{"op": "solder", "wiring": 63}', "no base board here"),
+        (b'{"op": "rewire", "wiring": 64}', "wiring must be at most 63"),
+        (b'{"op": "rewire", "wiring": 63}', "no base board here"),
         (b'{"op": "unplug", "board": "base"}', "no base board here"),
         (b'{"op": "record", "since_us": 5, "until_us": 4}', "before it begins"),
     ],

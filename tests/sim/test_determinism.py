@@ -7,7 +7,7 @@ from pathlib import Path
 
 from giraff_schemas.wire import BoardKind, ResetCause, TickFrame
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from giraff_sim.world.demo_hand import DemoHand

@@ -21,7 +21,7 @@ from giraff_node.boards.board_link import BoardLink
 from giraff_node.boards.serial_link import SerialLink
 from giraff_node.config.robot_file import load
 from giraff_schemas.boards import BASE_BOARD, BoardType
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_sim.board import ROOT, Board, Implementation, open_board
 from tests.support.encoder_disks import disk
 
@@ -35,7 +35,7 @@ class SimulatedPort(SerialLink):
 
     def __init__(self, board: Board, robot: RobotConfig) -> None:
         super().__init__("simulated", BASE_BOARD.baud)
-        self.fault = WELL
+        self.fault = NO_TROUBLE
         self.now_ms = 0
         self.interrupt_ms = math.inf
         """When somebody presses Ctrl-C."""

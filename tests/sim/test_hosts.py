@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from giraff_schemas.messages import Tick
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import BoardKind, HelloRequestFrame
 from giraff_sim.board import Implementation
 from giraff_sim.dst.network import FaultyNetwork
@@ -75,7 +75,7 @@ def test_one_process_at_a_time_has_the_port() -> None:
         first.close(Trouble("ended"))
         assert not second.keep_open(0.05), "it is not tried all the time"
         assert second.keep_open(0.1)
-        assert second.fault == WELL
+        assert second.fault == NO_TROUBLE
 
 
 def test_an_unplugged_port_says_so_and_comes_back() -> None:

@@ -10,7 +10,7 @@ import pytest
 from giraff_schemas.boards import ARDROS_BOARD
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import BUILD, Board, RunState
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.control.control import Control
 from giraff_sim.pacing import WallPacer
 from giraff_sim.simulation import Simulation

@@ -10,7 +10,7 @@ import pytest
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import BoardKind, DriveState, WheelsFrame
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import TruthRanges, draw_truth

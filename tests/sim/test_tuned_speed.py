@@ -15,7 +15,7 @@ from giraff_cli.tune.speed_fit import DISTANCE, SPEED, Leg, follow, legs_of, mea
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import BoardKind, WheelsFrame
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import TruthRanges, draw_truth

@@ -183,7 +183,7 @@ class Balancer:
         self._now_ms += 1
         self.body.step(self.board, 0.001)
         self.board.run(self._now_ms * 1000)
-        self.body.look(self.board)
+        self.body.update(self.board)
         for frame in self._decoder.feed(self.board.read()):
             if isinstance(frame, BalanceFrame):
                 self._hear(frame)

@@ -6,7 +6,7 @@ from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_node.config.robot_file import load
 from giraff_sim.board import ROOT
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.drill import known_settings
+from giraff_sim.dst.simulated_run import known_settings
 
 _GIVEN: Final = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")}
 BALANCER: Final = known_settings(_GIVEN)

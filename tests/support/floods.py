@@ -48,9 +48,9 @@ class Stranger:
         self._counter = ASK  # of who drives
 
     def turn(self, now: float) -> None:
-        for tick in self._ticks.take():
+        for tick in self._ticks.pop_all():
             self._operator.on_tick(tick, now)
-        for lease in self._leases.take():
+        for lease in self._leases.pop_all():
             self._counter = lease.counter
         if self._bursts.due(now):
             asks = self._operator.say(Wish(-0.6, 0.0, self._operator.tick, takes=True))

@@ -82,7 +82,7 @@ def all_of(subscriber: RawSubscriber, count: int) -> list[RawSample]:
     heard: list[RawSample] = []
 
     def all_came() -> bool:
-        heard.extend(subscriber.take())
+        heard.extend(subscriber.pop_all())
         return len(heard) >= count
 
     wait(all_came, 60.0, what="the last sample")

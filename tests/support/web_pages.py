@@ -17,7 +17,7 @@ import aiohttp
 import msgspec
 
 from giraff_node.process.unix_socket import listen_at
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_web.config import WebConfig
 from giraff_web.limits import Limits
 from giraff_web.messages import Hello, State
@@ -27,8 +27,9 @@ from giraff_web.server.host import RIGHTS, HostSocket, own_socket
 from giraff_web.server.server import Server, Site
 
 STATE = State(
-    n=0, tick=None, age=0.0, operator="", device="", page=0, armed=None, why=WELL, stop=None, stop_outcome=WELL,
-    directions=None, ranges={}, pose=None, covariance=None, origin="", speed=None, path=None, battery=None,
+    n=0, tick=None, age=0.0, operator="", device="", page=0, armed=None, why=NO_TROUBLE, stop=None,
+    stop_outcome=NO_TROUBLE,
+    directions=None, ranges={}, pose=None, covariance=None, segment="", speed=None, path=None, battery=None,
     round_trip=None,
 )  # fmt: skip
 HOST = "127.0.0.1"
@@ -58,7 +59,7 @@ class Desk:
         for event in self.server.poll():
             self.events.append(event)
             if isinstance(event, Opened):
-                self.server.tell(event.page, hello(event))
+                self.server.send(event.page, hello(event))
 
     def show(self, states: int = 1) -> None:
         """The next states of the robot."""

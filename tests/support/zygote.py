@@ -134,10 +134,10 @@ def _import_giraff() -> None:
         if module.name.split(".")[1] in _VERBS:
             importlib.import_module(module.name)
     from giraff_cli.main import app  # noqa: PLC0415
-    from giraff_cli.usage import obey  # noqa: PLC0415
+    from giraff_cli.usage import run_app  # noqa: PLC0415
 
     sys.argv = ["giraff", "why", "--help"]
-    obey(app)  # Typer imports most of itself at a call
+    run_app(app)  # Typer imports most of itself at a call
     gc.collect()
     gc.freeze()  # a collection in what is forked would copy all of this memory
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.support.keyboard_user import ARMED, hold, keyboard, take
 from tests.support.process_robot import ProcessRobot, process_robot
-from tests.support.typist import ARMED, hold, keyboard, take
 from tests.timing.stalled import by_the_wall
 
 STOPS_WITHIN = 0.45

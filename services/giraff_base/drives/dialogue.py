@@ -13,7 +13,7 @@ from giraff_base.drive import Answer, Report, SpeedLimit
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import BoardState, RobotTime, Sample
 from giraff_schemas.requests import EStopEngage
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import DriveState, Frame, Refusal
 
 _CONFIGURE_PERIOD_NS = 50_000_000
@@ -63,21 +63,25 @@ class Dialogue(ABC, Generic[ReportT]):
         self._off = False  # base's emergency stop is off
 
     @property
-    def forbids(self) -> Trouble:
-        return WELL
+    def arming_block(self) -> Trouble:
+        return NO_TROUBLE
 
     @property
     def limit(self) -> SpeedLimit:
         return SpeedLimit()
 
     @property
-    def waits(self) -> Trouble:
+    def not_ready(self) -> Trouble:
         state = self._newest.drive_state
-        return WELL if state == DriveState.ACTIVE else Trouble(f"the base board is in state {word(DriveState, state)}")
+        return (
+            NO_TROUBLE
+            if state == DriveState.ACTIVE
+            else Trouble(f"the base board is in state {word(DriveState, state)}")
+        )
 
     @property
-    def notice(self) -> Trouble:
-        return WELL
+    def warning(self) -> Trouble:
+        return NO_TROUBLE
 
     def state(self) -> BoardState:
         return board_state(self._report, self._latches)
@@ -97,7 +101,7 @@ class Dialogue(ABC, Generic[ReportT]):
         self._report = None
         self._releasing = False
 
-    def take(self, frame: object, now: RobotTime) -> Report | None:
+    def on_frame(self, frame: object, now: RobotTime) -> Report | None:
         if not isinstance(frame, self._kind):
             return None
         disarms = self._disarms(frame)

@@ -10,7 +10,7 @@ from typing import Final, TypeVar
 
 from giraff_camera.device.image import Device, DeviceError, Image
 from giraff_node.process.selector import Waker
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 REOPEN_PERIOD: Final = 1.0
 """s between two attempts."""
@@ -40,7 +40,7 @@ class Capture:
         """Guards what follows, and is notified when `_wanted` or `_closed` changes."""
         self._wanted = self._closed = False
         self._image: Image | None = None
-        self._fault = WELL
+        self._fault = NO_TROUBLE
         self._call_began: float | None = None
         """When the call to the camera began that is under way; None: none is."""
         self._times: deque[float] = deque(maxlen=_MOST_RATE)
@@ -69,7 +69,7 @@ class Capture:
         """Return what is readable while there is a picture to take."""
         return self._waker.descriptor()
 
-    def take(self) -> Image | None:
+    def pop_picture(self) -> Image | None:
         """Return the newest picture that was not taken yet."""
         with self._changed:
             self._waker.drain()
@@ -78,7 +78,7 @@ class Capture:
 
     @property
     def fault(self) -> Trouble:
-        """Say why there are no pictures; WELL: there are, or nobody wants them."""
+        """Say why there are no pictures; NO_TROUBLE: there are, or nobody wants them."""
         with self._changed:
             if not self._thread.is_alive() and not self._closed:
                 return _ENDED
@@ -101,7 +101,7 @@ class Capture:
     def _want(self, wanted: bool) -> None:
         with self._changed:
             if wanted != self._wanted:
-                self._wanted, self._fault, self._image = wanted, WELL, None
+                self._wanted, self._fault, self._image = wanted, NO_TROUBLE, None
                 self._times.clear()
                 self._waker.drain()
                 self._changed.notify()
@@ -141,6 +141,6 @@ class Capture:
     def _on_image(self, image: Image) -> None:
         with self._changed:
             if self._wanted:
-                self._image, self._fault = image, WELL
+                self._image, self._fault = image, NO_TROUBLE
                 self._times.append(self._clock())
                 self._waker.wake()

@@ -51,7 +51,7 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
                 return complain(_unheard(connection), UNUSABLE)
             introduce(human, connection.robot, path)
             for words in differences(connection, filed):
-                human.tell(f"{words}: what is found holds for the value of the file.")
+                human.show(f"{words}: what is found holds for the value of the file.")
             return guide(human, wheels, connection.robot, filed, path, force=force, report=report)
         except ConfigError as error:
             return complain(str(error), UNUSABLE)
@@ -67,7 +67,7 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
 
 def introduce(human: Human, robot: str, path: Path) -> None:
     """Tell which robot it is, and where the outcome goes."""
-    human.tell(f"Robot {robot}; what is found goes into {path}.")
+    human.show(f"Robot {robot}; what is found goes into {path}.")
 
 
 def guide(
@@ -90,7 +90,7 @@ def guide(
             geometry,
             path,
             force=force,
-            tell=human.tell,
+            tell=human.show,
             agrees=lambda: agrees(human, f"Write into {path}? [yes/no]"),
             then=_THEN_SIMULATED if is_simulated_here(robot) else _THEN,
         )

@@ -49,9 +49,9 @@ class WheelListener:
         left, right = (np.array(side, dtype=np.float64) for side in (self._left, self._right))
         return Run(name, left, right, (), POSITION_SD, YAW_SD)
 
-    def hear(self, wheels: Wheels) -> None:
+    def on_wheels(self, wheels: Wheels) -> None:
         """The next sample."""
-        self._standstill.hear(wheels)
+        self._standstill.on_wheels(wheels)
         last = self._last
         if last is None:
             self._last = wheels

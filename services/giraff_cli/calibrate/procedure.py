@@ -96,7 +96,7 @@ class Procedure:
 
     def measure(self, plan: Sequence[Leg] = PLAN) -> Measured:
         """Have all runs driven and measured. Raises NobodyError."""
-        self._human.tell(INTRODUCTION)
+        self._human.show(INTRODUCTION)
         done: dict[Leg, Run] = {}
         for leg in plan:
             self._do(leg, plan, done)
@@ -106,17 +106,17 @@ class Procedure:
                 tuple(done[leg] for leg in plan if leg in done and leg.is_check),
             )
             for words in review(measured.fitted, self._geometry):
-                self._human.tell(words)
+                self._human.show(words)
             if (leg_again := self._ask_for_one(plan)) is None:
                 return measured
             self._do(leg_again, plan, done)
 
     def _do(self, leg: Leg, plan: Sequence[Leg], done: dict[Leg, Run]) -> None:
-        self._human.tell(f"\nRun {plan.index(leg) + 1} of {len(plan)}: {leg.name}{_FOR[leg.is_check]}")
+        self._human.show(f"\nRun {plan.index(leg) + 1} of {len(plan)}: {leg.name}{_FOR[leg.is_check]}")
         if (run := self._run(leg)) is not None:
             done[leg] = run
         elif leg in done:
-            self._human.tell("What was measured before stays.")
+            self._human.show("What was measured before stays.")
 
     def _ask_for_one(self, plan: Sequence[Leg]) -> Leg | None:
         """The run that is to be done again after all."""
@@ -127,7 +127,7 @@ class Procedure:
             )
             if not answer or answer in by_number:
                 return by_number.get(answer)
-            self._human.tell(f"{answer}: no number of a run; they are 1 to {len(plan)}.")
+            self._human.show(f"{answer}: no number of a run; they are 1 to {len(plan)}.")
 
     def _run(self, leg: Leg) -> Run | None:
         while True:
@@ -136,7 +136,7 @@ class Procedure:
             except _SkipError:
                 return None
             except _AgainError as error:
-                self._human.tell(f"{error}. {leg.name.capitalize()} is done again." if str(error) else "Once more.")
+                self._human.show(f"{error}. {leg.name.capitalize()} is done again." if str(error) else "Once more.")
 
     def _once(self, leg: Leg) -> Run:
         self._ask_at_rest("Mark where both wheels touch the floor, then press ENTER:")
@@ -145,7 +145,7 @@ class Procedure:
         run = self._wheels.driven(leg.name)
         if fault := self._wheels.fault or driven_fault(leg, run, self._geometry):
             raise _AgainError(fault)
-        self._human.tell("Mark where both wheels touch the floor now; then the robot may be moved. Measure:")
+        self._human.show("Mark where both wheels touch the floor now; then the robot may be moved. Measure:")
         while True:
             x = self._number("  metres ahead:", number)
             y = self._number("  metres aside, left positive:", number)
@@ -154,8 +154,8 @@ class Procedure:
             yaw = told.yaw + math.remainder(turned - told.yaw, math.tau)
             if not (fault := measured_fault(run, self._geometry, x, y, yaw)):
                 break
-            self._human.tell(f'{fault}. Type all three once more, or "{_AGAIN}" to do the run again.')
-        self._human.tell(
+            self._human.show(f'{fault}. Type all three once more, or "{_AGAIN}" to do the run again.')
+        self._human.show(
             f"Kept: {x:.3f} m ahead, {y:.3f} m aside, {math.degrees(turned):.1f} degrees; by odometry until now "
             f"{told.x:.3f}, {told.y:.3f}, {math.degrees(math.remainder(told.yaw, math.tau)):.1f}."
         )
@@ -165,11 +165,11 @@ class Procedure:
         """Until ENTER is pressed and the robot stands."""
         while True:
             if self._answer(question, is_driven=is_driven):
-                self._human.tell(f"Press ENTER, or type {_AGAIN} or {_SKIP}.")
+                self._human.show(f"Press ENTER, or type {_AGAIN} or {_SKIP}.")
             elif self._source.silence > _SILENT:
-                self._human.tell(f"Not yet: {_FALLS_SILENT}.")
+                self._human.show(f"Not yet: {_FALLS_SILENT}.")
             elif not self._wheels.is_at_rest:
-                self._human.tell("Not yet: its wheels still turn, or did within the last half second.")
+                self._human.show("Not yet: its wheels still turn, or did within the last half second.")
             else:
                 return
 
@@ -178,11 +178,11 @@ class Procedure:
             try:
                 return read(self._answer(question))
             except ValueError as error:
-                self._human.tell(f"{error}.")
+                self._human.show(f"{error}.")
 
     def _answer(self, question: str, *, is_driven: bool = False) -> str:
         answer = self._human.ask(question, self._progress if is_driven else self._listen)
-        self._hear()
+        self._poll()
         if answer == _AGAIN:
             raise _AgainError
         if answer == _SKIP:
@@ -191,7 +191,7 @@ class Procedure:
 
     def _listen(self) -> str:
         """What goes on while a person marks and measures is of no interest, but what silence there is."""
-        self._hear()
+        self._poll()
         return _FALLS_SILENT if self._source.silence > _SILENT else ""
 
     def _progress(self) -> str:
@@ -201,9 +201,9 @@ class Procedure:
             return f"{self._wheels.fault}: this run must be done again"
         return _as_text(self._wheels.driven(""), self._geometry)
 
-    def _hear(self) -> None:
+    def _poll(self) -> None:
         for wheels in self._source.poll():
-            self._wheels.hear(wheels)
+            self._wheels.on_wheels(wheels)
 
 
 _FOR: Final = {False: "", True: " (it checks what was found, and is not fitted)"}

@@ -22,9 +22,9 @@ def list_cameras(robot: Robot = None, connect: Connect = None, seconds: Listen =
 
     Exit code: 0; 2 no robot, or none of its cameras is heard.
     """
-    from giraff_cli.camera.listing import list_cameras as it  # noqa: PLC0415
+    from giraff_cli.camera.listing import list_cameras as run  # noqa: PLC0415
 
-    raise typer.Exit(it(robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(run(robot, connect or (), seconds, as_json=as_json))
 
 
 @camera.command("view")
@@ -47,9 +47,9 @@ def view_camera(
         raise typer.BadParameter("--json tells of a picture that is written: add --save FILE")
     if save is None:
         require_extra("camera view", "rerun", "viewer,cli")
-    from giraff_cli.camera.look import view_camera as it  # noqa: PLC0415
+    from giraff_cli.camera.look import view_camera as run  # noqa: PLC0415
 
-    raise typer.Exit(it(name, robot, connect or (), save, seconds, as_json=as_json))
+    raise typer.Exit(run(name, robot, connect or (), save, seconds, as_json=as_json))
 
 
 @camera.command("board")

@@ -81,7 +81,7 @@ def _save(
     while taken is None and (now := time.monotonic()) < until and not stopping.wait(_TURN):
         set_tcp_options()
         connection.dispatch(pictures)
-        for full_width, picture in pictures.take():
+        for full_width, picture in pictures.pop_pictures():
             taken = choice.choose(picture, full_width, now)
     if (taken := taken or choice.give_up()) is None:
         print_error("; ".join(pictures.troubles()) or f"no picture came in {seconds:g} s")

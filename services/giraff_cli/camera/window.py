@@ -48,7 +48,7 @@ def show(
             until = time.monotonic() + (math.inf if seconds is None else seconds)
             while time.monotonic() < until and window.is_open() and not stopping.wait(_TURN):
                 set_tcp_options()
-                view.look()
+                view.update()
             if window.is_open():
                 view.show.close()
             return _DONE if view.has_seen else _FAILED
@@ -70,16 +70,16 @@ class CameraWindow:
         self.show = Show(stock(connection.robot), live=True, camera=camera)
         self.has_seen = False
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Draw what has come."""
         self._ahead_ns = time.time_ns() - robot_now_ns()
         self._connection.dispatch(self)
-        for seen in self._pictures.take():
+        for seen in self._pictures.pop_pictures():
             self.has_seen = True
             self.show.on_sample(seen.topic, seen.picture, time.time_ns())
         for trouble in self._pictures.troubles():
             print_error(trouble)
-        self.show.look(time.time_ns())
+        self.show.update(time.time_ns())
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """As `Listener` has it."""

@@ -69,7 +69,7 @@ def _check(port: str | None, svg: Path | None, report: Report) -> int:
         try:
             bench.open()
             for side in SIDES:
-                wheels[side] = _look(bench, human, side, drive)
+                wheels[side] = _check_wheel(bench, human, side, drive)
             for side in SIDES:
                 if any(side in wheel.restless for wheel in wheels.values()):
                     wheels[side].troubles.append(Trouble(f"it {RESTLESS.what}", RESTLESS.remedy).of(f"{side} wheel"))
@@ -100,9 +100,9 @@ def _checkable(path: Path, drive: object) -> WheelsConfig:
     return drive
 
 
-def _look(bench: WheelBench, human: Human, side: Side, drive: WheelsConfig) -> _Wheel:
+def _check_wheel(bench: WheelBench, human: Human, side: Side, drive: WheelsConfig) -> _Wheel:
     """Drive one wheel forward, and judge its encoder."""
-    human.tell(f"The {side} wheel turns forward for {_DRIVE_TIME:g} s.")
+    human.show(f"The {side} wheel turns forward for {_DRIVE_TIME:g} s.")
     listener = Listener(SIDES.index(side) ^ int(Wiring.SWAP_ENCODERS in drive.wiring))
     level = drive.stall_level
     restless: Sequence[Side] = ()

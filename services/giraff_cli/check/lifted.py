@@ -21,7 +21,7 @@ _WORD: Final = "lifted"
 class Human(Protocol):
     """The person who watches the wheels."""
 
-    def tell(self, text: str) -> None: ...
+    def show(self, text: str) -> None: ...
 
     def ask(self, question: str) -> str:
         """Return the answer. Raises DoubtError when nobody is there any more."""
@@ -31,7 +31,7 @@ class Human(Protocol):
 class Terminal:
     """A human in front of one."""
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         print(text, flush=True)
 
     def ask(self, question: str) -> str:
@@ -45,7 +45,7 @@ def ask_lifted(human: Human, port: str) -> bool:
     """Return whether the human says that the wheels may turn. From now on a signal to end raises KeyboardInterrupt."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _interrupt)
-    human.tell(
+    human.show(
         f"Base board on {port}. giraff_base must not run. Lift the robot so that both wheels turn freely,\n"
         "and keep the battery switch within reach. Ctrl-C stops at any time."
     )

@@ -21,7 +21,17 @@ from giraff_cli.check.lifted import (
     ask_lifted,
     levels_of,
 )
-from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
+from giraff_cli.check.wiring import (
+    SIDES,
+    Counted,
+    DoubtError,
+    MotorResponse,
+    Side,
+    Turned,
+    encoder_of,
+    require_right,
+    wiring_of,
+)
 from giraff_cli.robot_file import RobotFileError, before_today, record, still_overriding
 from giraff_cli.terminal.document import Report, print_report
 from giraff_core.robot import RobotConfig
@@ -74,7 +84,7 @@ def _check(port: str | None, report: Report) -> int:
         return _complain(str(error), IN_DOUBT)
     except KeyboardInterrupt:
         return _complain("interrupted; the motors are off. Nothing was written.", INTERRUPTED)
-    human.tell(_after(path, kept, fields, os.environ))
+    human.show(_after(path, kept, fields, os.environ))
     report({"robot_file": str(path), "table": _TABLE, "wiring": fields})
     return DONE
 
@@ -93,7 +103,7 @@ def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
     for name, is_set in fields.items():
         if is_set:
             wiring |= Wiring[name.upper()]
-    human.tell("Found. Now the proof: each wheel forward, with the wiring that was found.")
+    human.show("Found. Now the proof: each wheel forward, with the wiring that was found.")
     for side in SIDES:
         counted, latch = bench.drive(wiring, levels_of(side, level), _DRIVE_TIME, level)
         if latch != Latch.NONE:
@@ -104,9 +114,9 @@ def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
     return fields
 
 
-def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> Seen:
+def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> MotorResponse:
     """Drive the motor that is wired as `side`, with nothing inverted, and ask what happened."""
-    human.tell(f"The {'first' if side == 'left' else 'second'} motor turns one wheel for a second. Look at both.")
+    human.show(f"The {'first' if side == 'left' else 'second'} motor turns one wheel for a second. Look at both.")
     wiring, counted = Wiring(0), Counted(0, 0)
     while True:
         counted, latch = bench.drive(wiring, levels_of(side, level), _DRIVE_TIME, _NOT_JUDGED)
@@ -122,18 +132,18 @@ def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> Seen:
         left=-counted.left if wiring & Wiring.INVERT_LEFT_ENCODER else counted.left,
         right=-counted.right if wiring & Wiring.INVERT_RIGHT_ENCODER else counted.right,
     )
-    human.tell(f"The encoders counted {counted.left} and {counted.right}.")
+    human.show(f"The encoders counted {counted.left} and {counted.right}.")
     seen = _ask_what_turned(human, counted)
     encoder_of(seen)  # in doubt already
     return seen
 
 
-def _ask_what_turned(human: Human, counted: Counted) -> Seen:
+def _ask_what_turned(human: Human, counted: Counted) -> MotorResponse:
     wheel: Turned = _choice(human, "Which wheel turned, as seen by one who sits on the robot?", _TURNED)
     if wheel not in SIDES:
-        return Seen(counted, wheel, forward=True)
+        return MotorResponse(counted, wheel, forward=True)
     way = _choice(human, "Which way, as if the robot drove on it?", ("forward", "backward"))
-    return Seen(counted, wheel, forward=way == "forward")
+    return MotorResponse(counted, wheel, forward=way == "forward")
 
 
 def _choice(human: Human, question: str, answers: tuple[AnswerT, ...]) -> AnswerT:

@@ -33,7 +33,7 @@ class Counted(NamedTuple):
         return cls(left, right, max(_FEWEST, round(_TURNED * ticks_per_metre)))
 
 
-class Seen(NamedTuple):
+class MotorResponse(NamedTuple):
     """What one motor did when it alone was driven forward, with nothing swapped or inverted."""
 
     counted: Counted
@@ -56,7 +56,7 @@ def encoder_that_counted(counted: Counted) -> Side | None:
     return "left" if left > right else "right"
 
 
-def wiring_of(first: Seen, second: Seen) -> dict[str, bool]:
+def wiring_of(first: MotorResponse, second: MotorResponse) -> dict[str, bool]:
     """The six fields of the robot file. `first`: of the motor that is left unless swapped; `second`: of the other."""
     encoders = [encoder_of(seen) for seen in (first, second)]
     if first.wheel == second.wheel:
@@ -86,7 +86,7 @@ def require_right(side: Side, counted: Counted) -> None:
         )
 
 
-def encoder_of(seen: Seen) -> Side:
+def encoder_of(seen: MotorResponse) -> Side:
     """The encoder of the one wheel that turned; DoubtError unless there is one of each."""
     encoder = encoder_that_counted(seen.counted)
     if seen.wheel == "both":

@@ -9,7 +9,7 @@ from typing import Any, Final
 import msgspec
 
 from giraff_base.config import BaseConfig
-from giraff_cli.commission.steps import STEPS, WHOLE_FILE, Found, Step
+from giraff_cli.commission.steps import STEPS, WHOLE_FILE, Step, StepResult
 from giraff_cli.network.command import print_error
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.page import print_json, print_table, print_wrapped
@@ -42,16 +42,16 @@ def show(file: Path | None, *, as_json: bool) -> int:
     refused = _refused(settings)
     judged = [(number, step, step.judge(settings.tables, refused)) for number, step in enumerate(STEPS, 1)]
     rows = [_row(number, step, told) for number, step, told in judged if told is not None]
-    left = [row for row in rows if row["standing"] == "left"]
+    left = [row for row in rows if row["status"] == "left"]
 
-    def tell() -> int:
+    def report() -> int:
         if as_json:
             print_json({"robot_file": settings.where, "steps": rows})
         else:
-            _tell(settings.where, rows, left)
+            _print_steps(settings.where, rows, left)
         return _LEFT if left else 0
 
-    return guard_stdout(tell)
+    return guard_stdout(report)
 
 
 def _refused(settings: RawSettings) -> dict[str, str]:
@@ -71,14 +71,14 @@ def _refused(settings: RawSettings) -> dict[str, str]:
     return {table: text.removeprefix(f"{settings.where}: ") for table, text in refused.items()}
 
 
-def _row(number: int, step: Step, told: Found) -> dict[str, str]:
+def _row(number: int, step: Step, told: StepResult) -> dict[str, str]:
     """Return a step under the number that it has in the page."""
     how = told.how or step.how
-    return {"number": str(number), "step": step.title, "standing": told.standing, "why": told.told, "how": how}
+    return {"number": str(number), "step": step.title, "status": told.status, "why": told.told, "how": how}
 
 
-def _tell(where: str, rows: list[dict[str, str]], left: list[dict[str, str]]) -> None:
-    columns = ("number", "standing", "step", "why", "how")
+def _print_steps(where: str, rows: list[dict[str, str]], left: list[dict[str, str]]) -> None:
+    columns = ("number", "status", "step", "why", "how")
     print_table((">", "", "step", "by the robot file", "how"), [[row[column] for column in columns] for row in rows])
     print()
     if left:

@@ -9,15 +9,15 @@ from typing import Any, Final, Literal, NamedTuple
 from giraff_core.robot import WIRING
 from giraff_core.sensors import ULTRASONIC
 
-Standing = Literal["done", "left", "look"]
+StepStatus = Literal["done", "left", "look"]
 """`look`: the robot file does not tell, so that only a person knows."""
 Tables = Mapping[str, Mapping[str, Any]]
 
 
-class Found(NamedTuple):
-    """The standing of a step by the robot file."""
+class StepResult(NamedTuple):
+    """The status of a step by the robot file."""
 
-    standing: Standing
+    status: StepStatus
     told: str
     """The field by which it is known, or that is missing."""
     how: str = ""
@@ -31,16 +31,16 @@ class Step(NamedTuple):
     """As `docs/commissioning.md` calls it."""
     how: str
     """A command, or a page."""
-    find: Callable[[Tables], Found | None]
+    find: Callable[[Tables], StepResult | None]
     """Judges the step by the tables of a robot file. None: this robot does not need it."""
     needs: Sequence[str] = ()
     """Tables that it is told by. Where services refuse one of them, it is left."""
 
-    def judge(self, tables: Tables, refused: Mapping[str, str]) -> Found | None:
+    def judge(self, tables: Tables, refused: Mapping[str, str]) -> StepResult | None:
         """Return what is known of it. `refused`: why services refuse a table, by its name."""
         told = self.find(tables)
         why = next((refused[table] for table in self.needs if table in refused), "")
-        return Found("left", why) if told is not None and why else told
+        return StepResult("left", why) if told is not None and why else told
 
 
 WHOLE_FILE: Final = "*"
@@ -57,85 +57,87 @@ def _balances(tables: Tables) -> bool:
     return _drive(tables).get("type") == "balancer"
 
 
-def _has(fields: Mapping[str, Any], name: str, table: str) -> Found:
+def _has(fields: Mapping[str, Any], name: str, table: str) -> StepResult:
     """Tell of a field that the step writes."""
     value = fields.get(name)
     is_set = value is not None and re.fullmatch(r"[-+]?0*\.?0*", str(value)) is None  # a variable's 0 is text
-    return Found("done", f"{table} has {name}") if is_set else Found("left", f"{table} has no {name}")
+    return StepResult("done", f"{table} has {name}") if is_set else StepResult("left", f"{table} has no {name}")
 
 
-def _each(kind: str, name: str) -> Callable[[Tables], Found | None]:
+def _each(kind: str, name: str) -> Callable[[Tables], StepResult | None]:
     """Tell of a field that the step writes for each sensor of a type."""
 
-    def find(tables: Tables) -> Found | None:
+    def find(tables: Tables) -> StepResult | None:
         entries = tables.get("robot", {}).get("sensors")
         if not isinstance(entries, Mapping):
-            return Found("left", "[robot] has no sensors")
+            return StepResult("left", "[robot] has no sensors")
         tables_of = {sensor: entry for sensor, entry in entries.items() if isinstance(entry, Mapping)}
         sensors = {sensor: entry for sensor, entry in tables_of.items() if entry.get("type", ULTRASONIC) == kind}
         missing = [sensor for sensor, entry in sensors.items() if name not in entry]
         if not sensors:
             return None
-        done = Found("done", f"{', '.join(sensors)}: each has {name}")
-        return Found("left", f"without {name}: {', '.join(missing)}") if missing else done
+        done = StepResult("done", f"{', '.join(sensors)}: each has {name}")
+        return StepResult("left", f"without {name}: {', '.join(missing)}") if missing else done
 
     return find
 
 
-def _ports(tables: Tables) -> Found:
+def _ports(tables: Tables) -> StepResult:
     name = tables.get("robot", {}).get("name", "")
     missing = [table for table in ("base", "ranger") if not tables.get(table, {}).get("port")]
     if name and not missing:
         boards = ", ".join(str(tables[table]["port"]) for table in ("base", "ranger"))
-        return Found("look", f"the robot is {name}; boards on {boards}: do they answer?")
-    return Found("left", "no name" if not name else f"no port in {' and '.join(f'[{table}]' for table in missing)}")
+        return StepResult("look", f"the robot is {name}; boards on {boards}: do they answer?")
+    return StepResult(
+        "left", "no name" if not name else f"no port in {' and '.join(f'[{table}]' for table in missing)}"
+    )
 
 
-def _wiring(tables: Tables) -> Found:
+def _wiring(tables: Tables) -> StepResult:
     if _balances(tables):
-        return Found("look", "a robot that balances: its wiring is written by hand", "docs/build-a-balancer.md")
+        return StepResult("look", "a robot that balances: its wiring is written by hand", "docs/build-a-balancer.md")
     missing = [name for name in WIRING if _drive(tables).get(name) is None]
     if missing:
-        return Found("left", f"not known: {', '.join(missing)}; base does not arm")
-    return Found("done", "[base.drive] has all six fields of the wiring")
+        return StepResult("left", f"not known: {', '.join(missing)}; base does not arm")
+    return StepResult("done", "[base.drive] has all six fields of the wiring")
 
 
-def _encoders(tables: Tables) -> Found | None:
+def _encoders(tables: Tables) -> StepResult | None:
     if _balances(tables) or _drive(tables).get("board") == "ardros":
         return None
-    return Found("look", "it draws them, and writes nothing")
+    return StepResult("look", "it draws them, and writes nothing")
 
 
-def _speed_control(tables: Tables) -> Found | None:
+def _speed_control(tables: Tables) -> StepResult | None:
     if _balances(tables):
         return None
     drive = _drive(tables)
     if drive.get("wheel_control") != "speed":
         why = 'wheel_control is "level", by which a low battery or a carpet makes the robot slower; write "speed"'
-        return Found("left", why, _PAGE)
+        return StepResult("left", why, _PAGE)
     gains = drive.get("speed_control")
     if isinstance(gains, Mapping) and "speed_p" in gains:
-        return Found("done", "[base.drive.speed_control] has speed_p")
-    return Found("look", "the board goes by default gains: do they fit?")
+        return StepResult("done", "[base.drive.speed_control] has speed_p")
+    return StepResult("look", "the board goes by default gains: do they fit?")
 
 
-def _odometry(tables: Tables) -> Found:
+def _odometry(tables: Tables) -> StepResult:
     calibration = tables.get("robot", {}).get("calibration")
     return _has(calibration if isinstance(calibration, Mapping) else {}, "date", "[robot.calibration]")
 
 
-def _joystick(tables: Tables) -> Found:
+def _joystick(tables: Tables) -> StepResult:
     fields = tables.get("joystick", {})
     if "mount_yaw" in fields:
-        return Found("done", "[joystick] has mount_yaw")
-    return Found("look", "[joystick] has no mount_yaw: is there a joystick?")
+        return StepResult("done", "[joystick] has mount_yaw")
+    return StepResult("look", "[joystick] has no mount_yaw: is there a joystick?")
 
 
-def _brakes(tables: Tables) -> Found:
+def _brakes(tables: Tables) -> StepResult:
     return _has(tables.get("guard", {}), "deceleration", "[guard]")
 
 
-def _battery(tables: Tables) -> Found:
+def _battery(tables: Tables) -> StepResult:
     return _has(_drive(tables), "battery_volts_per_count", "[base.drive]")
 
 
@@ -144,13 +146,15 @@ STEPS: Final = (
     Step("How the wheels are wired", "giraff check wheels", _wiring, ("base",)),
     Step("What the encoders give", "giraff check encoders", _encoders, ("base",)),
     Step("The joystick's level and axes", "giraff calibrate joystick", _joystick, ("joystick",)),
-    Step("First start", f"giraff estop reset; {_PAGE}", lambda _: Found("look", "the robot drives, and creeps")),
+    Step("First start", f"giraff estop reset; {_PAGE}", lambda _: StepResult("look", "the robot drives, and creeps")),
     Step("How well it brakes", _PAGE, _brakes, ("guard",)),
     Step("The battery", _PAGE, _battery, ("base",)),
     Step("Speeds that are held", "giraff tune speed", _speed_control, ("base",)),
     Step("Odometry", "giraff calibrate odometry", _odometry, ("robot",)),
     Step("Sensors by a wall", "giraff calibrate ranger", _each(ULTRASONIC, "scale"), ("robot",)),
     Step("The camera", "giraff calibrate camera", _each("camera", "distortion"), ("robot",)),
-    Step("Before it is left to others", _PAGE, lambda _: Found("look", "cardboard, cables, and the emergency stop")),
+    Step(
+        "Before it is left to others", _PAGE, lambda _: StepResult("look", "cardboard, cables, and the emergency stop")
+    ),
 )
 """In their order."""

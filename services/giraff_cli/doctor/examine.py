@@ -24,7 +24,7 @@ from giraff_cli.terminal.text import counted
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import Target, resolve_target, settle, target_of
+from giraff_node.network.discovery import Target, resolve_target, select_robot, target_of
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.network.scouting import scout
 from giraff_node.network.session import NobodyError, open_session
@@ -32,7 +32,7 @@ from giraff_node.network.sockets import PROTOCOL
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.services import BASE, WEB
 from giraff_schemas.text import printable
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 FoundT = TypeVar("FoundT")
 
@@ -55,19 +55,19 @@ def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_jso
         way, wrong = _find_way(robot, connect)
         machine = look_at_machine(way.robot, way.network, wrong)
         connection, problem = (None, _NOT_ASKED) if wrong else _join(way)
-        look = _look(way, machine, connection, problem, seconds)
+        look = _inspect(way, machine, connection, problem, seconds)
     except NoRobotError as error:
         return print_error(str(error))
     else:
         found = findings(look)
         verdict = _FAULT if any(each.severity == "fault" for each in found) else _NO_FAULT
-        return guard_stdout(lambda: _tell(as_document(look, found) if as_json else _page(look, found), verdict))
+        return guard_stdout(lambda: _print(as_document(look, found) if as_json else _page(look, found), verdict))
     finally:
         if connection is not None:
             connection.close(_CLOSE_WITHIN)
 
 
-def _tell(text: str, code: int) -> int:
+def _print(text: str, code: int) -> int:
     print(text)
     return code
 
@@ -83,16 +83,16 @@ def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Target, str]:
 def _join(way: Target) -> tuple[RobotConnection | None, Trouble]:
     """A connection to a door; or why there is none, where that is not the network's doing."""
     try:
-        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", "client"), way.filed), WELL
+        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", "client"), way.filed), NO_TROUBLE
     except NobodyError:
-        return None, WELL
+        return None, NO_TROUBLE
     except ConfigError as error:
         return None, Trouble(str(error), CORRECT_IT)
     except zenoh.ZError as error:
         return None, Trouble(f"no Zenoh session: {error}", "check the table [network] of the robot file, and --connect")
 
 
-def _look(
+def _inspect(
     way: Target, machine: Machine, connection: RobotConnection | None, problem: Trouble, seconds: float
 ) -> Inspection:
     """Raises NoRobotError where several are there and none is named."""
@@ -115,7 +115,7 @@ def _look(
         machine=msgspec.structs.replace(
             machine,
             ports=() if robot is None else look_at_boards(running),
-            wiring_problem=wiring_problem(running) if based_here else WELL,
+            wiring_problem=wiring_problem(running) if based_here else NO_TROUBLE,
             geometry=geometry_of(robot.name) if robot is not None and based_here else None,
         ),
         network=Network(
@@ -148,7 +148,7 @@ def _meet(connection: RobotConnection, seconds: float) -> Robot | None:
             time.sleep(_ASK_AGAIN)
         time.sleep(_SETTLED)
         found = sorted({*found, *list_robots(connection.session)})
-        connection.robot = settle(connection.session, found, connection.filed)
+        connection.robot = select_robot(connection.session, found, connection.filed)
     return listen(connection, seconds)
 
 

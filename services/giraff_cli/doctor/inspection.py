@@ -10,7 +10,7 @@ from giraff_cli.network.interfaces import Interface
 from giraff_core.kinematics.calibration import Calibration
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 Outcome = Literal["answers", "refused", "silent", "no way", "no name", "untrusted"]
 """Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `no name`: the host's
@@ -23,7 +23,7 @@ class Port(msgspec.Struct, frozen=True, kw_only=True):
 
     service: str
     problem: Trouble
-    """WELL: the right board answers."""
+    """NO_TROUBLE: the right board answers."""
 
 
 class Disk(msgspec.Struct, frozen=True, kw_only=True):
@@ -32,7 +32,7 @@ class Disk(msgspec.Struct, frozen=True, kw_only=True):
     folder: str
     free_bytes: int
     total_bytes: int
-    problem: Trouble = WELL
+    problem: Trouble = NO_TROUBLE
 
 
 class Geometry(msgspec.Struct, frozen=True, kw_only=True):
@@ -64,12 +64,12 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     """Parts of a robot that run on it, and meet each other at its Unix sockets."""
     ports: tuple[Port, ...] = ()
     disks: tuple[Disk, ...] = ()
-    settings_problem: Trouble = WELL
+    settings_problem: Trouble = NO_TROUBLE
     """Of robot file and environment."""
-    loopback_problem: Trouble = WELL
-    keys_problem: Trouble = WELL
+    loopback_problem: Trouble = NO_TROUBLE
+    keys_problem: Trouble = NO_TROUBLE
     keys_expired: bool = False
-    wiring_problem: Trouble = WELL
+    wiring_problem: Trouble = NO_TROUBLE
     """Why nobody knows yet whether the robot moves as it is asked."""
     unranked_hands: tuple[str, ...] = ()
     """Operator names of its robot file's hands that no priority names: persons take the robot from them."""
@@ -92,7 +92,7 @@ class Network(msgspec.Struct, frozen=True, kw_only=True):
 
     has_doors: bool = True
     """Hosts find each other at doors. They do not where all keeps to the loopback, or by a session file."""
-    problem: Trouble = WELL
+    problem: Trouble = NO_TROUBLE
     """Why there is no session."""
     calls: tuple[Probe, ...] = ()
     pages: tuple[Probe, ...] = ()

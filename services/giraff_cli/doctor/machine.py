@@ -29,7 +29,7 @@ from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
 from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, RUN, SERVICES
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
 _TURN: Final = 0.01  # s
@@ -43,7 +43,7 @@ def look_at_machine(
 
     `wrong`: what is known to be, with robot file or environment.
     """
-    keys, expired = _keys(network) if network.mode == "secured" and not network.session_file else (WELL, False)
+    keys, expired = _keys(network) if network.mode == "secured" and not network.session_file else (NO_TROUBLE, False)
     return Machine(
         host=socket.gethostname(),
         version=version(),
@@ -77,15 +77,15 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
 
 
 def wiring_problem(running: Collection[str], environment: Mapping[str, str] = os.environ) -> Trouble:
-    """Return why nobody knows yet whether the robot moves as it is asked; WELL where there is no robot file.
+    """Return why nobody knows yet whether the robot moves as it is asked; NO_TROUBLE where there is no robot file.
 
     `running`: services. `giraff run` brings the wiring of its simulated boards.
     """
     with contextlib.suppress(ConfigError):
         if RUN.name in running:
-            return WELL
+            return NO_TROUBLE
         return load(BASE.table, BaseConfig, environment, port="").drive.unchecked
-    return WELL
+    return NO_TROUBLE
 
 
 def geometry_of(robot: str, environment: Mapping[str, str] = os.environ) -> Geometry | None:
@@ -113,7 +113,7 @@ def _board_of(service: str, usual: BoardType, environment: Mapping[str, str]) ->
 def _greet(path: str, board: BoardType) -> Trouble | None:
     """Why no such board says hello there; None: another process has the port."""
     if find_spec("serial") is None:
-        return WELL  # a desk without boards
+        return NO_TROUBLE  # a desk without boards
     from giraff_node.boards.board_link import BoardLink  # noqa: PLC0415  of the extra `serial`
     from giraff_node.boards.serial_link import IN_USE  # noqa: PLC0415
 
@@ -124,7 +124,7 @@ def _greet(path: str, board: BoardType) -> Trouble | None:
             link.poll(time.monotonic())
             time.sleep(_TURN)
         if link.hello is not None:
-            return WELL
+            return NO_TROUBLE
         silent = Trouble(
             f"{path}: no {board.name} board says hello",
             f"see its power, its cable, and that it is flashed: {board.flash_command(path)}",
@@ -151,18 +151,18 @@ def _keys(network: NetworkConfig) -> tuple[Trouble, bool]:
     """What is wrong with this host's bundle, and whether no link comes about with it."""
     folder, now = Path(network.keys), datetime.now(UTC)
     if find_spec("cryptography") is not None:
-        from giraff_cli.keys.status import State, host_standing  # noqa: PLC0415
+        from giraff_cli.keys.status import State, host_status  # noqa: PLC0415
         from giraff_keys.files import KeyFileError, read_certificate  # noqa: PLC0415
 
         try:
-            standing = host_standing(folder, read_certificate(folder / CA_CERTIFICATE), now)
+            status = host_status(folder, read_certificate(folder / CA_CERTIFICATE), now)
         except KeyFileError as error:
             return Trouble(str(error), COPY_AGAIN), True
-        if standing.state is State.OK:
-            return WELL, False
-        grave = standing.state not in (State.SOON, State.EXPOSED)
-        what = f"{folder}, keys of {standing.name}: {standing.state}"
-        return Trouble(what, "; ".join(standing.to_do)), grave
+        if status.state is State.OK:
+            return NO_TROUBLE, False
+        grave = status.state not in (State.SOON, State.EXPOSED)
+        what = f"{folder}, keys of {status.name}: {status.state}"
+        return Trouble(what, "; ".join(status.to_do)), grave
     warning = ExpiryWatch(folder).warning(now)
     with contextlib.suppress(BundleError):
         return warning, read_bundle(folder).expires < now
@@ -185,7 +185,7 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> Trouble:
                 base.drive.require_countable(robot)
         except (ConfigError, ValueError) as error:
             wrong = str(error)
-    return Trouble(wrong, CORRECT_IT) if wrong else WELL
+    return Trouble(wrong, CORRECT_IT) if wrong else NO_TROUBLE
 
 
 def _unranked_hands(environment: Mapping[str, str]) -> tuple[str, ...]:

@@ -78,14 +78,16 @@ class HealthClient:
         """Ask all; whoever answers within so many seconds is heard."""
         asked_ns = time.time_ns()
 
-        ask_all(self._session, self._key, Health, lambda health: self._take(health, asked_ns, time.time_ns()), within)
+        ask_all(
+            self._session, self._key, Health, lambda health: self._on_health(health, asked_ns, time.time_ns()), within
+        )
 
     @property
     def answers(self) -> tuple[HealthReply, ...]:
         """One a process."""
         return tuple(sorted(self._best.values(), key=lambda each: (each.health.service, each.health.instance)))
 
-    def _take(self, health: Health, asked_ns: int, now_ns: int) -> None:
+    def _on_health(self, health: Health, asked_ns: int, now_ns: int) -> None:
         half = (now_ns - asked_ns) * 0.5e-9
         ahead = (health.stamp_ns - asked_ns) * 1e-9 - half
         before = self._best.get(health.instance)
@@ -107,14 +109,14 @@ class GeometryClient:
         if there and there <= self._told.keys():
             return
         request = {"payload": encode(ParamDescribe()), "encoding": encoding_of(ParamDescribe)}
-        ask_all(self._session, self._key, ParamAnswer, self._take, within, **request)
+        ask_all(self._session, self._key, ParamAnswer, self._on_answer, within, **request)
 
     @property
     def answers(self) -> tuple[GeometryInUse, ...]:
         """One a process."""
         return tuple(sorted(self._told.values(), key=lambda each: (each.service, each.host)))
 
-    def _take(self, answer: ParamAnswer) -> None:
+    def _on_answer(self, answer: ParamAnswer) -> None:
         with suppress(msgspec.MsgspecError):  # of another version, which is told by its health
             self._told[answer.instance] = geometry_in(answer)
 

@@ -14,6 +14,6 @@ def drive(robot: Robot = None, connect: Connect = None) -> None:
     drive. SPACE is the emergency stop, r then y releases it, Ctrl-C ends. Exit code: 0; 1 a stop was asked for and is
     NOT CONFIRMED: use the battery switch; 2 there is no terminal, or no robot that tells its limits.
     """
-    from giraff_cli.drive.operate import drive as it  # noqa: PLC0415
+    from giraff_cli.drive.operate import drive as run  # noqa: PLC0415
 
-    raise typer.Exit(it(robot, connect or ()))
+    raise typer.Exit(run(robot, connect or ()))

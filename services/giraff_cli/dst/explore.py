@@ -1,4 +1,4 @@
-"""`giraff dst`: deterministic simulation of the command path, and the story of each seed that fails."""
+"""`giraff dst`: deterministic simulation of the command path, and the event log of each seed that fails."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from rich.console import Console
 
 from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.progress import Progress
-from giraff_sim.dst.drill import SECONDS, Outcome
 from giraff_sim.dst.many import Totals, run_many
 from giraff_sim.dst.marks import unreached
 from giraff_sim.dst.scenarios import KINDS
+from giraff_sim.dst.simulated_run import SECONDS, Outcome
 
 _FAILED = 1  # exit code
 
@@ -26,10 +26,10 @@ def explore(seeds: int, first: int, jobs: int, *, as_json: bool) -> int:
     began = time.monotonic()
     with Progress("seeds", seeds, shown=not as_json) as progress:
         for outcome in run_many(range(first, first + seeds), jobs):
-            totals.take(outcome, SECONDS)
+            totals.add(outcome, SECONDS)
             if outcome.violations or seeds == 1:
                 progress.hide()
-                _tell(console, outcome)
+                _print_outcome(console, outcome)
             progress.move(totals.seeds)
     _sum_up(console, totals, time.monotonic() - began)
     if as_json:
@@ -37,11 +37,11 @@ def explore(seeds: int, first: int, jobs: int, *, as_json: bool) -> int:
     return _FAILED if totals.failures else 0
 
 
-def _tell(console: Console, outcome: Outcome) -> None:
+def _print_outcome(console: Console, outcome: Outcome) -> None:
     console.print(f"\nseed {outcome.seed}: {outcome.path:.2f} m driven, {outcome.contacts} contacts", style="bold")
-    for line in outcome.story:
+    for line in outcome.events:
         console.print(line, style="red" if "VIOLATION" in line else None, markup=False, soft_wrap=True)
-    digests = f"motion {outcome.motion_digest}, story {outcome.story_digest}"
+    digests = f"motion {outcome.motion_digest}, events {outcome.event_digest}"
     console.print(f"{digests}; again with: giraff dst --seeds 1 --seed {outcome.seed}", soft_wrap=True)
 
 
@@ -60,7 +60,7 @@ def _sum_up(console: Console, totals: Totals, seconds: float) -> None:
         f"\nseeds: {totals.seeds}, {totals.simulated:g} s simulated in {seconds:.1f} s; the robot drove in "
         f"{totals.drove} of them, {totals.path:.0f} m, {totals.near:.0f} m of it within half a metre of something, was "
         f"granted {totals.counts['granted']} times, armed {totals.counts['armed']} times and touched something "
-        f"{totals.contacts} times; motion {totals.motion_digest[:16]}, story {totals.story_digest[:16]}",
+        f"{totals.contacts} times; motion {totals.motion_digest[:16]}, events {totals.event_digest[:16]}",
         soft_wrap=True,
     )
     console.print(

@@ -61,7 +61,7 @@ class Result(NamedTuple):
 class OtherWay:
     """Asks a robot for the stop beside Zenoh. This one asks none."""
 
-    def hear(self, robot: str, asking: EStopClient) -> None:
+    def watch(self, robot: str, asking: EStopClient) -> None:
         """Take into account what base says to this request over Zenoh."""
 
     def end(self, robot: str) -> None:
@@ -94,7 +94,7 @@ def engage(
     robot, deadline = connection.robot, time.monotonic() + _left(connection, timeout)
     wish = engaging(by, reason, off=off)
     asking = EStopClient(connection.session, robot, wish)
-    other.hear(robot, asking)
+    other.watch(robot, asking)
     answer = asking.wait(deadline)
     if doubt and (answer or _has_stopped(asking)):
         return _doubtful(connection, asking, robot, doubt)
@@ -167,7 +167,7 @@ def _engage_heard(
             # Each by its own key: rules of a secured network pass none with a wildcard.
             if (robot, at) not in asking and connection.robot in {"", robot}:
                 asking[robot, at] = EStopClient(doors[at][0], robot, wish)
-                other.hear(robot, asking[robot, at])
+                other.watch(robot, asking[robot, at])
                 newest = now
         for robot, at in sorted(asking.keys() - stopped):
             if (answer := _poll(asking[robot, at], now)) is not None:

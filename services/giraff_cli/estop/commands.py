@@ -100,13 +100,13 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0, 
 
     Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
     """
-    from giraff_cli.estop import client as it  # noqa: PLC0415
+    from giraff_cli.estop import client as run  # noqa: PLC0415
     from giraff_cli.network.user import user_at_host  # noqa: PLC0415
 
     def act(connection: RobotConnection) -> Result:
-        return it.reset(connection, user_at_host(), timeout)
+        return run.reset(connection, user_at_host(), timeout)
 
-    _tell(robot, connect, timeout, act, moves=True, as_json=as_json)
+    _report(robot, connect, timeout, act, moves=True, as_json=as_json)
 
 
 @estop.command()
@@ -115,12 +115,12 @@ def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0,
 
     Exit code: 0 released; 1 engaged; 2 unknown.
     """
-    from giraff_cli.estop import client as it  # noqa: PLC0415
+    from giraff_cli.estop import client as run  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda connection: it.status(connection, timeout), as_json=as_json)
+    _report(robot, connect, timeout, lambda connection: run.status(connection, timeout), as_json=as_json)
 
 
-def _tell(
+def _report(
     robot: str | None,
     connect: list[str] | None,
     timeout: float,
@@ -129,10 +129,10 @@ def _tell(
     moves: bool = False,
     as_json: bool,
 ) -> None:
-    from giraff_cli.estop.engage import tell  # noqa: PLC0415
+    from giraff_cli.estop.engage import print_result  # noqa: PLC0415
     from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
 
     def say(connection: RobotConnection) -> int:
-        return tell(act(connection), as_json=as_json)
+        return print_result(act(connection), as_json=as_json)
 
     raise typer.Exit(run_with_robot(robot, connect or (), timeout, say, moves=moves, stands_in=False))

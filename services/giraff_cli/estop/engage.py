@@ -75,7 +75,7 @@ def engage_by_plan(
             print_error(_hint(robot or ""))
         return print_error(f"NOTHING IS STOPPED: {error}")
     stop = _Stop(plan, robot or "", connect, reason, timeout, faults, page, off=off)
-    stop.tell = partial(tell, as_json=as_json)
+    stop.report = partial(print_result, as_json=as_json)
     if is_word and not plan.doubt:
         stop.hint = _hint(robot or "")
     stop.start()
@@ -116,7 +116,7 @@ class _Stop(threading.Thread):
         at = [host_and_port(address)[0] for address in connect if address not in faults]
         self._off = off
         self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at, off=off)
-        self.tell = partial(tell)
+        self.report = partial(print_result)
         self.hint = ""
         """It is told once if the robot has not confirmed after a second: the word may be no name. Empty: no hint."""
         self._code = UNUSABLE
@@ -142,14 +142,14 @@ class _Stop(threading.Thread):
                 by_word = self._plan.target is None or self._plan.target.network.is_open
                 told_code, what = client.what_stands(is_off=page.is_off, off=self._off, by_word=by_word)
                 told = f"{page.robot}: {what}, told by its page at {stopped_by}"
-                self.tell(client.Result(told_code, told, page.robot, engaged=True, off=page.is_off))
+                self.report(client.Result(told_code, told, page.robot, engaged=True, off=page.is_off))
         if self._error is not None:
             raise self._error
         code = self._code
         if stopped_by:
             code = min(code, told_code) if self._is_one else max(code, told_code)
         if (told := page.unconfirmed) and not stopped_by and (code == client.UNKNOWN or self._place):
-            code = self.tell(client.Result(client.UNKNOWN, told, page.robot or None))
+            code = self.report(client.Result(client.UNKNOWN, told, page.robot or None))
         if code == client.UNKNOWN:
             self._tell_hint()
         if self._page_fault:
@@ -183,7 +183,7 @@ class _Stop(threading.Thread):
         if not self._is_one:
             wish = engaging(by, reason, off=off)
             return client.engage_all(
-                connection, wish, self._timeout, self._connect, self.tell, doubt=plan.doubt, other=page
+                connection, wish, self._timeout, self._connect, self.report, doubt=plan.doubt, other=page
             )
         result = client.engage(connection, by, reason, self._timeout, off=off, doubt=plan.doubt, other=page)
         if result.code != client.UNKNOWN:
@@ -193,13 +193,13 @@ class _Stop(threading.Thread):
             return client.what_stands(is_off=page.is_off, off=self._off)[0]
         for address, fault in self._faults.items():
             print_error(f"--connect {address} is left out: {fault}")
-        code = self.tell(result)
+        code = self.report(result)
         if code == client.UNKNOWN and (hint := client.hint_of_others(connection)):
             print_error(hint)
         return code
 
 
-def tell(result: client.Result, *, as_json: bool = False) -> int:
+def print_result(result: client.Result, *, as_json: bool = False) -> int:
     """Print how it ended; the exit code. A closed output ends no stop of another robot.
 
     `as_json`: as a line of JSON on standard output, for each robot one.

@@ -161,7 +161,7 @@ class PageStop(OtherWay):
         self._asking: list[EStopClient] = []
         threading.Thread(target=self._start, name="page", daemon=True).start()
 
-    def hear(self, robot: str, asking: EStopClient) -> None:
+    def watch(self, robot: str, asking: EStopClient) -> None:
         if robot == self.robot:
             self._asking.append(asking)
 
@@ -215,10 +215,10 @@ class PageStop(OtherWay):
             else:
                 self._doubts[place] = doubt or self._doubt
                 if not doubt:
-                    self._take(place, answer)
+                    self._confirm(place, answer)
             self._over.wait(_ASK_AGAIN)
 
-    def _take(self, place: Place, answer: Answer) -> None:
+    def _confirm(self, place: Place, answer: Answer) -> None:
         """End the asking: base has stopped, by the word of a page that is known."""
         with self._lock:
             if not (self._over.is_set() or self._doubt):

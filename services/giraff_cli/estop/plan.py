@@ -15,7 +15,7 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_cli.estop.readable import Readable, has_bundle, read_what_is_left
+from giraff_cli.estop.salvage import Readable, has_bundle, read_what_is_left
 from giraff_cli.network.command import not_all_counts
 from giraff_cli.network.pages import kept_pages
 from giraff_cli.terminal.program import called_here

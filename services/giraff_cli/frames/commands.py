@@ -34,7 +34,7 @@ def frames(
     if sum((source is not None, svg is not None, dot)) > 1:
         raise typer.BadParameter("give one of --svg, --dot, and --from with --to")
     from giraff_cli.frames.show import Wanted  # noqa: PLC0415
-    from giraff_cli.frames.show import frames as it  # noqa: PLC0415
+    from giraff_cli.frames.show import frames as run  # noqa: PLC0415
 
     wanted = Wanted(source=source, target=target, svg=svg, dot=dot, as_json=as_json)
-    raise typer.Exit(it(robot, connect or (), wanted))
+    raise typer.Exit(run(robot, connect or (), wanted))

@@ -20,6 +20,6 @@ def graph(
 
     Exit code: 0; 2 there is no robot to tell of.
     """
-    from giraff_cli.graph.graph import graph as it  # noqa: PLC0415
+    from giraff_cli.graph.graph import graph as run  # noqa: PLC0415
 
-    raise typer.Exit(it(robot, connect or (), seconds, as_dot=dot, as_json=as_json))
+    raise typer.Exit(run(robot, connect or (), seconds, as_dot=dot, as_json=as_json))

@@ -40,7 +40,7 @@ class Graph(msgspec.Struct, frozen=True, kw_only=True):
 def graph(robot: str | None, connect: Sequence[str], seconds: float, *, as_dot: bool, as_json: bool) -> int:
     """Draw the services of a robot; the exit code."""
 
-    def tell(robot_graph: RobotGraph) -> int:
+    def report(robot_graph: RobotGraph) -> int:
         drawn = graph_of(robot_graph)
         if as_json:
             print_json(drawn)
@@ -55,7 +55,7 @@ def graph(robot: str | None, connect: Sequence[str], seconds: float, *, as_dot: 
             robot,
             connect,
             _PATIENCE,
-            lambda connection: tell(
+            lambda connection: report(
                 GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)]).run(
                     seconds, stopping
                 )

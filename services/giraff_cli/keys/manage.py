@@ -13,7 +13,7 @@ from typing import Final
 import tomlkit
 from cryptography import x509
 
-from giraff_cli.keys.status import Standing, State, authority_standing, host_standing, keys_command
+from giraff_cli.keys.status import KeyStatus, State, authority_status, host_status, keys_command
 from giraff_cli.terminal.page import print_table
 from giraff_cli.terminal.text import json_line
 from giraff_keys.certificates import PROGRAM_MADE, CertificateError, addresses_of, common_name, new_authority, new_host
@@ -97,14 +97,14 @@ def host(
 def show(folder: Path, moment: datetime, *, as_json: bool) -> int:
     """The whole command `giraff keys list`; its exit code."""
     try:
-        authority, hosts = standings(folder, moment)
+        authority, hosts = statuses(folder, moment)
     except (RefusedError, KeyFileError, OSError) as error:
         return _complain("list", error)
     if as_json:
         print(json_line({"folder": str(folder), "ca": authority, "hosts": hosts}))
     else:
         _print_table(authority, hosts)
-    states = {standing.state for standing in (authority, *hosts)}
+    states = {status.state for status in (authority, *hosts)}
     if State.UNREADABLE in states:
         return _REFUSED
     return _DONE if states == {State.OK} else _TO_DO
@@ -158,13 +158,13 @@ def make_bundle(
     return identity.certificate.not_valid_after_utc
 
 
-def standings(folder: Path, moment: datetime) -> tuple[Standing, list[Standing]]:
+def statuses(folder: Path, moment: datetime) -> tuple[KeyStatus, list[KeyStatus]]:
     """Of the CA, and of each host. Raises RefusedError, KeyFileError, OSError."""
     _require_folder(folder)
     with holding(folder):
         bundles = sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
         authority = read_certificate(folder / CA_CERTIFICATE)
-        return authority_standing(folder, moment), [host_standing(bundle, authority, moment) for bundle in bundles]
+        return authority_status(folder, moment), [host_status(bundle, authority, moment) for bundle in bundles]
 
 
 def _require_folder(folder: Path) -> None:
@@ -196,23 +196,23 @@ def _old_addresses(bundle: Path) -> tuple[Address, ...]:
         raise RefusedError(f"{error}; without it, name the addresses of {bundle.name} again") from error
 
 
-def _print_table(authority: Standing, hosts: Sequence[Standing]) -> None:
+def _print_table(authority: KeyStatus, hosts: Sequence[KeyStatus]) -> None:
     print_table(
         ("name", "expires", ">days left", "state", "addresses"),
         [
             (
-                standing.name,
-                f"{standing.expires:%Y-%m-%d}" if standing.expires else "",
-                "" if standing.days_left is None else str(standing.days_left),
-                standing.state,
-                ", ".join(standing.addresses),
+                status.name,
+                f"{status.expires:%Y-%m-%d}" if status.expires else "",
+                "" if status.days_left is None else str(status.days_left),
+                status.state,
+                ", ".join(status.addresses),
             )
-            for standing in (authority, *hosts)
+            for status in (authority, *hosts)
         ],
     )
-    for standing in (authority, *hosts):
-        for sentence in standing.to_do:
-            print(f"{standing.name}: {sentence}")
+    for status in (authority, *hosts):
+        for sentence in status.to_do:
+            print(f"{status.name}: {sentence}")
     if not hosts:
         print("No host has a bundle yet.")
 

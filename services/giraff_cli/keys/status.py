@@ -40,7 +40,7 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Standing:
+class KeyStatus:
     """What `giraff keys list` tells of one certificate."""
 
     name: str
@@ -53,17 +53,17 @@ class Standing:
     """One sentence each."""
 
 
-def authority_standing(folder: Path, now: datetime) -> Standing:
+def authority_status(folder: Path, now: datetime) -> KeyStatus:
     """Of the CA itself. Raises KeyFileError where no certificate can be read."""
     certificate = read_certificate(folder / CA_CERTIFICATE)
     found = [*_validity(certificate, now, "make a new CA in another folder, and from it new bundles for all hosts")]
     key = folder / CA_KEY
     if key.exists():  # else it is kept elsewhere, which is good
         found += _key_standing(certificate, key, "one of both is of another CA: put the right one back")
-    return _standing(common_name(certificate), certificate, found, now)
+    return _status(common_name(certificate), certificate, found, now)
 
 
-def host_standing(folder: Path, authority: x509.Certificate, now: datetime) -> Standing:
+def host_status(folder: Path, authority: x509.Certificate, now: datetime) -> KeyStatus:
     """Of one host's bundle."""
     again = _renewal(folder)
     try:
@@ -71,7 +71,7 @@ def host_standing(folder: Path, authority: x509.Certificate, now: datetime) -> S
         bundled = read_certificate(folder / CA_CERTIFICATE)
         bundle = read_bundle(folder)
     except (KeyFileError, BundleError) as error:
-        return Standing(name=folder.name, state=State.UNREADABLE, to_do=(f"{error}; {again}",))
+        return KeyStatus(name=folder.name, state=State.UNREADABLE, to_do=(f"{error}; {again}",))
     found = [*_validity(certificate, now, again), *_key_standing(certificate, folder / HOST_KEY, again)]
     if bundled != authority or not _is_signed_by(certificate, authority):
         found.append((State.STRANGE, again))
@@ -79,15 +79,15 @@ def host_standing(folder: Path, authority: x509.Certificate, now: datetime) -> S
         found.append((State.MIXED_UP, f"it is the bundle of {common_name(certificate)!r}: call the folder so again"))
     elif (bundle.name, bundle.expires) != (folder.name, certificate.not_valid_after_utc):
         found.append((State.MIXED_UP, f"bundle.toml is of another certificate: {again}"))
-    return _standing(folder.name, certificate, found, now)
+    return _status(folder.name, certificate, found, now)
 
 
 _Finding = tuple[State, str]
 
 
-def _standing(name: str, certificate: x509.Certificate, found: list[_Finding], now: datetime) -> Standing:
+def _status(name: str, certificate: x509.Certificate, found: list[_Finding], now: datetime) -> KeyStatus:
     found.sort(key=lambda finding: [*State].index(finding[0]))
-    return Standing(
+    return KeyStatus(
         name=name,
         addresses=tuple(str(address) for address in without_local(addresses_of(certificate))),
         expires=certificate.not_valid_after_utc,

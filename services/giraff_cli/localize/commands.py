@@ -53,9 +53,9 @@ def localize(
         if robot is not None or connect or seconds is not None:
             _refuse("--robot, --connect and --for are for a live robot; a recording is of one already, and has an end")
         _require("numpy", "mcap")
-        from giraff_cli.localize.offline import localize as it  # noqa: PLC0415
+        from giraff_cli.localize.offline import localize as run  # noqa: PLC0415
 
-        raise typer.Exit(it(recording, map_file, place, as_json=as_json))
+        raise typer.Exit(run(recording, map_file, place, as_json=as_json))
     if map_file is not None:
         _require("numpy")
         from giraff_cli.localize.serve import serve  # noqa: PLC0415
@@ -64,7 +64,7 @@ def localize(
     from giraff_cli.localize import follow  # noqa: PLC0415
 
     if at is not None or anywhere:
-        raise typer.Exit(follow.tell(robot, connect or (), place, as_json=as_json))
+        raise typer.Exit(follow.give_place(robot, connect or (), place, as_json=as_json))
     raise typer.Exit(follow.follow(robot, connect or (), seconds, as_json=as_json))
 
 

@@ -31,14 +31,14 @@ def follow(robot: str | None, connect: Sequence[str], seconds: float | None, *, 
         with closing(screen_of(as_json=as_json)) as screen:
             hearing = Hearing(connection, screen)
             while time.monotonic() < until and not stopping.wait(_TURN):
-                hearing.look()
+                hearing.update()
         return DONE
 
     with StopSignal() as stopping:
         return run_with_robot(robot, connect, _PATIENCE, act)
 
 
-def tell(robot: str | None, connect: Sequence[str], place: Pose | None, *, as_json: bool) -> int:
+def give_place(robot: str | None, connect: Sequence[str], place: Pose | None, *, as_json: bool) -> int:
     """Tell it where the robot is; None: have it look anywhere; the exit code."""
 
     def act(connection: RobotConnection) -> int:

@@ -34,7 +34,7 @@ class Hearing:
         """The newest."""
         connection.subscribe(POSE)
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Show what was said since the last call; else how old it is. Raises OSError where nobody sees it any more."""
         self._has_news = False
         self._connection.dispatch(self)

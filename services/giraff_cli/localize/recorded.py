@@ -29,16 +29,16 @@ class TrueWay:
     def __init__(self, room: Room | None) -> None:
         """`room`: that the map is of; None: it is of none, and has no start."""
         self._room = room
-        self._origin: tuple[str, int] | None = None
+        self._segment: tuple[str, int] | None = None
         self.doubt = "" if room is not None else "this map does not say where a run starts on it"
         """Why nothing can be told of it; empty: nothing speaks against it."""
 
     def on_odometry(self, odometry: Odometry) -> None:
         """Each in turn."""
-        origin = odometry.origin
-        if odometry.jumps or (self._origin is not None and origin != self._origin):
+        origin = odometry.segment
+        if odometry.jumps or (self._segment is not None and origin != self._segment):
             self.doubt = self.doubt or "odometry began anew on the way, or its pose was set"
-        self._origin = origin
+        self._segment = origin
 
     def on_map(self, pose: TruePose) -> Pose | None:
         """Where that is; None: it cannot be told."""
@@ -101,9 +101,9 @@ class RecordedDrive:
     def _on_odometry(self, odometry: Odometry) -> None:
         self.truth.on_odometry(odometry)
         self.policy.on_odometry(odometry)
-        if odometry.origin == self._origin and self._path is not None:
+        if odometry.segment == self._origin and self._path is not None:
             self.way += max(0.0, odometry.path - self._path)
-        self._path, self._origin = odometry.path, odometry.origin
+        self._path, self._origin = odometry.path, odometry.segment
         if self._place is not None:
             answer = self.policy.on_set_pose(told_pose(self._place))
             self.refused = "" if answer.done else str(answer.reason)

@@ -102,7 +102,7 @@ class ShownLocalization:
         self._service.turn(now)
         self._tell_place(now)
         try:
-            self._hearing.look()
+            self._hearing.update()
         except OSError:  # nobody sees any more what it says
             discard_stdout()
             self._node.leave()

@@ -120,7 +120,7 @@ class Merge:
         """Return whether an open source has been silent for longer than the others wait."""
         return now - self._heard.get(source, now) >= self._patience
 
-    def take(self, now: float) -> list[Entry]:
+    def pop_due(self, now: float) -> list[Entry]:
         """Return the entries whose place in the order is certain, or that have waited long enough."""
         taken: list[Entry] = []
         while heads := [queue for queue in self._waiting.values() if queue]:

@@ -52,11 +52,11 @@ def show(services: Sequence[str], *, follow: bool, level: str, since: str | None
 
 
 def _refuse(why: str) -> int:
-    _tell(why)
+    _warn(why)
     return _REFUSED
 
 
-def _tell(what: str) -> None:
+def _warn(what: str) -> None:
     print(printable(f"giraff logs: {what}"), file=sys.stderr, flush=True)
 
 
@@ -95,9 +95,9 @@ class _Reading:
                 self._merge.open(stream.name, time.monotonic())
         if not is_first:
             for trouble in troubles:
-                _tell(f"{trouble}; what starts from here on is left out")
+                _warn(f"{trouble}; what starts from here on is left out")
         elif shown := [each for each in self._streams if isinstance(each, LogFile) and each.ended is not None]:
-            _tell(run_text(shown[0].folder, shown[0].ended or 0.0, time.time()))
+            _warn(run_text(shown[0].folder, shown[0].ended or 0.0, time.time()))
         if self._streams or not is_first:
             return ""
         if troubles:
@@ -112,12 +112,12 @@ class _Reading:
             self._wait()
             for stream in list(self._streams):
                 self._read(stream)
-            self._print(self._merge.take(time.monotonic()))
+            self._print(self._merge.pop_due(time.monotonic()))
             if self._wanted.follow and time.monotonic() >= find_at:
                 self.find()
                 find_at = time.monotonic() + _FIND_EVERY
         if not stopping.asked:
-            self._print(self._merge.take(math.inf))
+            self._print(self._merge.pop_due(math.inf))
         return DONE
 
     def close(self) -> None:
@@ -142,7 +142,7 @@ class _Reading:
             self._merge.add(stream.name, [each for each in entries if each.time > self._seen[stream.name]], now)
             self._last[stream.name] = max(self._last.get(stream.name, 0.0), *(each.time for each in entries))
         elif not self._wanted.follow and not waiting and self._merge.is_overdue(stream.name, now):
-            _tell(f"{stream.name} has said nothing for {_PATIENCE:g} s, and is left out from here on")
+            _warn(f"{stream.name} has said nothing for {_PATIENCE:g} s, and is left out from here on")
             stream.has_ended = True
         if stream.has_ended:
             stream.close()

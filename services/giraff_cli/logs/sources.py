@@ -16,7 +16,7 @@ from giraff_cli.logs.entries import container_entry, journal_entry
 from giraff_cli.run.directory import run_directories
 from giraff_cli.terminal.service_log import Entry, read_entry
 from giraff_schemas.services import SERVICES
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _CHUNK: Final = 65_536  # bytes
 _LONGEST: Final = 1 << 20  # bytes of a line; a longer one is cut there
@@ -166,7 +166,7 @@ class Wanted(NamedTuple):
 def journal(wanted: Wanted) -> tuple[list[Stream], Trouble]:
     """Return the stream of the units giraff@*, or why there is none."""
     if wanted.seen:
-        return [], WELL  # it knows of new units by itself
+        return [], NO_TROUBLE  # it knows of new units by itself
     # By name: a pattern would stand for those units alone that the journal knows already.
     names = wanted.services or [service.name for service in SERVICES if service.entry]
     units = [f"--unit=giraff@{name}.service" for name in names]
@@ -176,7 +176,7 @@ def journal(wanted: Wanted) -> tuple[list[Stream], Trouble]:
         return [], trouble
     begin = [f"--since=@{wanted.since:.6f}"] if wanted.since is not None else []
     goes_on = ["--follow", f"--lines={LAST_LINES}" if wanted.since is None else "--no-tail"] if wanted.follow else []
-    return [Program("the journal", [*command, "--quiet", *begin, *goes_on], _journal_entry)], WELL
+    return [Program("the journal", [*command, "--quiet", *begin, *goes_on], _journal_entry)], NO_TROUBLE
 
 
 def containers(wanted: Wanted) -> tuple[list[Stream], Trouble]:
@@ -204,7 +204,7 @@ def runs(wanted: Wanted) -> tuple[list[Stream], Trouble]:
         if wanted.includes(log.stem) and str(log) not in wanted.seen:
             with contextlib.suppress(OSError):  # just gone
                 streams.append(LogFile(log, follow=wanted.follow, last=last, ended=ended))
-    return streams, WELL
+    return streams, NO_TROUBLE
 
 
 SOURCES: Final = (journal, containers, runs)
@@ -232,7 +232,7 @@ def _environment() -> dict[str, str]:
 
 
 def _asked(command: Sequence[str], denied: Trouble) -> tuple[str, Trouble]:
-    """Return what a program prints, or why it prints nothing. WELL: it is not there, or has nothing."""
+    """Return what a program prints, or why it prints nothing. NO_TROUBLE: it is not there, or has nothing."""
     try:
         asked = subprocess.run(
             command,
@@ -246,7 +246,7 @@ def _asked(command: Sequence[str], denied: Trouble) -> tuple[str, Trouble]:
         why = f"{command[0]} did not answer within {_ANSWERS_WITHIN:g} s"
         return "", Trouble(why, "see what it says in a terminal of its own")
     except OSError:
-        return "", WELL
+        return "", NO_TROUBLE
     complaint = asked.stderr.decode(errors="replace").lower()
     out = asked.stdout.decode(errors="replace")
-    return out, denied if not out and any(word in complaint for word in _DENIED) else WELL
+    return out, denied if not out and any(word in complaint for word in _DENIED) else NO_TROUBLE

@@ -20,11 +20,11 @@ def convert(room: Path, out: Path, resolution: float, *, as_json: bool = False) 
     except OSError as error:
         return print_error(f"{error.filename or out}: cannot be written: {error.strerror or error}; name another file")
 
-    def tell() -> int:
+    def report() -> int:
         if as_json:
             print_json({"file": str(out), "image": str(image), "resolution": resolution})
             return 0
         print(f"{out} and {image}, by cells of {resolution:g} m")
         return 0
 
-    return guard_stdout(tell)
+    return guard_stdout(report)

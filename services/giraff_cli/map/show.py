@@ -36,7 +36,7 @@ def show(file: Path, svg: Path | None, *, as_json: bool = False) -> int:
         except OSError as error:
             return print_error(f"--svg {svg}: cannot be written: {error.strerror or error}; name another file")
 
-    def tell() -> int:
+    def report() -> int:
         if as_json:
             left, bottom, right, top = plan.bounds
             told = {"name": plan.name, "x": [left, right], "y": [bottom, top], "walls": len(plan.walls)}
@@ -47,7 +47,7 @@ def show(file: Path, svg: Path | None, *, as_json: bool = False) -> int:
         print(FloorDrawing(plan, *_room_for_it(), dots=dots).draw().plain)
         return 0
 
-    return guard_stdout(tell)
+    return guard_stdout(report)
 
 
 def summary(plan: FloorPlan, *, ascii_only: bool = False) -> str:

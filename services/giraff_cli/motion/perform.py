@@ -40,12 +40,12 @@ def perform(robot: str | None, connect: Sequence[str], wish: Wish, *, as_json: b
             robot,
             connect,
             _PATIENCE,
-            lambda connection: Performance(connection, wish, stopping).tell(as_json=as_json),
+            lambda connection: MotionRun(connection, wish, stopping).run(as_json=as_json),
             moves=True,
         )
 
 
-class Performance:
+class MotionRun:
     """One motion of a robot that is there, and its reader."""
 
     def __init__(self, connection: RobotConnection, wish: Wish, stopping: StopSignal) -> None:
@@ -56,7 +56,7 @@ class Performance:
         self._reader_gone = False
         self._show_at = 0.0
 
-    def tell(self, *, as_json: bool) -> int:
+    def run(self, *, as_json: bool) -> int:
         """The whole of it; the exit code. Raises NoRobotError."""
         with closing(self._client), closing(NullScreen() if as_json else open_screen(page=False)) as screen:
             result = self._follow(screen)

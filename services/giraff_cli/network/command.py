@@ -159,5 +159,5 @@ def not_all_counts(warning: str) -> str:
 
 def print_error(text: str) -> int:
     """Tell what is wrong; UNUSABLE."""
-    consent.tell(text)
+    consent.print_notice(text)
     return UNUSABLE

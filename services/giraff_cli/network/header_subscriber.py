@@ -18,7 +18,7 @@ _heads: Final = msgspec.msgpack.Decoder(Header)
 
 
 class HeaderSubscriber:
-    """From its making on; `take` from one thread only."""
+    """From its making on; `dispatch` from one thread only."""
 
     def __init__(self, session: zenoh.Session, robot: str, topic: Topic[Any] | None = None) -> None:
         """`topic`: the only one to hear; None: whatever is said below the robot's name."""
@@ -27,7 +27,7 @@ class HeaderSubscriber:
         key = f"{self._below}**" if topic is None else key_of(robot, topic)
         self._subscriber = session.declare_subscriber(key, self._on_sample)
 
-    def take(self, hear: Callable[[Arrival], None]) -> None:
+    def dispatch(self, hear: Callable[[Arrival], None]) -> None:
         """Pass on what has come since the last call."""
         for _ in range(len(self._came)):
             hear(self._came.popleft())

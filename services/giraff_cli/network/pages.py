@@ -51,7 +51,7 @@ class PageKeeper:
 
         def on_health(health: Health) -> None:
             if health.page is not None:
-                self._take(robot, health.page)
+                self._add(robot, health.page)
             elif health.service == WEB.name:  # it has just begun, and does not listen yet
                 self._ask_later(session, robot)
 
@@ -71,7 +71,7 @@ class PageKeeper:
         timer.daemon = True
         timer.start()
 
-    def _take(self, robot: str, page: WebPage) -> None:
+    def _add(self, robot: str, page: WebPage) -> None:
         page = msgspec.structs.replace(page, hosts=page.hosts[:_MOST_HOSTS])
         if page not in self._pages and len(self._pages) < _MOST_PAGES:
             self._pages[page] = None

@@ -11,10 +11,10 @@ from giraff_node.picture_client import PictureClient
 from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import CAMERA, CAMERA_SMALL, Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
-class Seen(NamedTuple):
+class ReceivedPicture(NamedTuple):
     """A picture that has come."""
 
     full_width: int
@@ -36,7 +36,7 @@ class PictureSource(Protocol):
     @property
     def trouble(self) -> Trouble: ...
     def want(self) -> None: ...
-    def take(self) -> Picture | None: ...
+    def pop_picture(self) -> Picture | None: ...
     def close(self) -> None: ...
 
 
@@ -81,14 +81,14 @@ class PictureSubscriber:
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """As `Listener` has it."""
 
-    def take(self) -> list[Seen]:
+    def pop_pictures(self) -> list[ReceivedPicture]:
         """Say that somebody still looks, and return the new pictures; to be called twice a second at least."""
-        seen: list[Seen] = []
+        seen: list[ReceivedPicture] = []
         for source in self._sources.values():
             source.want()
-            if (picture := source.take()) is not None:
+            if (picture := source.pop_picture()) is not None:
                 state = source.state
-                seen.append(Seen(0 if state is None else state.width, picture))
+                seen.append(ReceivedPicture(0 if state is None else state.width, picture))
         return seen
 
     def troubles(self) -> list[str]:
@@ -96,7 +96,7 @@ class PictureSubscriber:
         news = []
         for camera, source in self._sources.items():
             trouble = source.trouble
-            if trouble and trouble != self._told.get(camera, WELL):
+            if trouble and trouble != self._told.get(camera, NO_TROUBLE):
                 news.append(str(trouble))
             self._told[camera] = trouble
         return news

@@ -155,11 +155,11 @@ class GraphMonitor:
         self._next_question = 0.0
         connection.subscribe_all(())
 
-    def look(self, now: float, *, again: bool = False) -> None:
+    def update(self, now: float, *, again: bool = False) -> None:
         """Take in what has come; ask those who have not told of their health, or with `again` everybody."""
         self._connection.dispatch(self.robot_graph)
         for meter in self._meters:
-            meter.take(self.robot_graph.count)
+            meter.dispatch(self.robot_graph.count)
         for _ in range(len(self._answers)):
             health = self._answers.popleft()
             if health.instance in self.robot_graph.alive:
@@ -191,13 +191,13 @@ class GraphMonitor:
         """Wait for the first word of the robot. Raises NoRobotError."""
         deadline = time.monotonic() + FIRST_WITHIN
         while self.robot_graph.empty:
-            self.look(now := time.monotonic())
+            self.update(now := time.monotonic())
             if now > deadline or stopping.wait(_LOOK_EVERY):
                 raise NoRobotError(not_found_text(self.robot_graph.robot, list_robots(self._connection.session)))
 
     def _until(self, deadline: float, stopping: StopSignal, *, complete: bool = False) -> None:
         while True:
-            self.look(now := time.monotonic())
+            self.update(now := time.monotonic())
             if stopping.asked or (complete and self.robot_graph.complete):
                 return
             if now >= deadline or stopping.wait(min(_LOOK_EVERY, deadline - now)):

@@ -6,17 +6,17 @@ from collections.abc import Iterable
 from typing import Final
 
 from giraff_schemas.health import Health
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _SAME: Final = "install the same version on all machines, and restart the services"
 
 
 def version_trouble(host: str, version: str, answers: Iterable[Health]) -> Trouble:
-    """Return which versions run where. WELL: all are the `version` of this command on `host`."""
+    """Return which versions run where. NO_TROUBLE: all are the `version` of this command on `host`."""
     places = {version: {f"{host} (this command)"}}
     for health in answers:
         places.setdefault(health.version, set()).add(f"{health.host} ({health.service})")
     if len(places) == 1:
-        return WELL
+        return NO_TROUBLE
     told = "; ".join(f"{running} on {', '.join(sorted(where))}" for running, where in places.items())
     return Trouble(f"versions differ: {told}", _SAME)

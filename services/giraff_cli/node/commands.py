@@ -17,9 +17,9 @@ def list_nodes(robot: Robot = None, connect: Connect = None, as_json: AsJson = F
 
     Exit code: 0 all are well; 1 one is not, or does not answer; 2 there is no robot to tell of.
     """
-    from giraff_cli.node.report import list_nodes as it  # noqa: PLC0415
+    from giraff_cli.node.report import list_nodes as run  # noqa: PLC0415
 
-    raise typer.Exit(it(robot, connect or (), as_json=as_json))
+    raise typer.Exit(run(robot, connect or (), as_json=as_json))
 
 
 @node.command("info")
@@ -33,6 +33,6 @@ def node_info(
 
     Exit code: 0 it is well; 1 it is not, or does not answer; 2 it is not there.
     """
-    from giraff_cli.node.report import info as it  # noqa: PLC0415
+    from giraff_cli.node.report import info as run  # noqa: PLC0415
 
-    raise typer.Exit(it(service, robot, connect or (), as_json=as_json))
+    raise typer.Exit(run(service, robot, connect or (), as_json=as_json))

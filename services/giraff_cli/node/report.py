@@ -38,7 +38,7 @@ class NodeRow(msgspec.Struct, frozen=True, kw_only=True):
 def list_nodes(robot: str | None, connect: Sequence[str], *, as_json: bool) -> int:
     """Print the services of a robot; the exit code."""
 
-    def tell(robot_graph: RobotGraph) -> int:
+    def report(robot_graph: RobotGraph) -> int:
         rows = rows_of(robot_graph)
         if as_json:
             print_json(rows)
@@ -48,7 +48,7 @@ def list_nodes(robot: str | None, connect: Sequence[str], *, as_json: bool) -> i
 
     with StopSignal() as stopping:
         return run_with_robot(
-            robot, connect, _PATIENCE, lambda connection: tell(GraphMonitor(connection).collect_health(stopping))
+            robot, connect, _PATIENCE, lambda connection: report(GraphMonitor(connection).collect_health(stopping))
         )
 
 

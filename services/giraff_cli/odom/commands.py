@@ -35,9 +35,9 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0, 
 
     Exit code: 0 done; 1 refused, with the reason; 2 no robot, or nobody has answered.
     """
-    from giraff_cli.odom import client as it  # noqa: PLC0415
+    from giraff_cli.odom import client as run  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda connection: it.reset(connection, timeout), as_json=as_json)
+    _report(robot, connect, timeout, lambda connection: run.reset(connection, timeout), as_json=as_json)
 
 
 @odom.command("set", context_settings=NEGATIVE)
@@ -61,17 +61,17 @@ def set_pose(
     Exit code: 0 done; 1 refused, with the reason; 2 no robot, or nobody has answered.
     """
     from giraff_cli.network.command import print_error  # noqa: PLC0415
-    from giraff_cli.odom import client as it  # noqa: PLC0415
+    from giraff_cli.odom import client as run  # noqa: PLC0415
 
     try:
         place = _pose(pose)
     except ValueError as error:
         raise typer.Exit(print_error(f"odom set: {error}")) from None
-    _tell(
+    _report(
         robot,
         connect,
         timeout,
-        lambda connection: it.set_pose(connection, place, position_sd, yaw_sd, timeout),
+        lambda connection: run.set_pose(connection, place, position_sd, yaw_sd, timeout),
         as_json=as_json,
     )
 
@@ -88,7 +88,7 @@ def _pose(words: Sequence[str]) -> Pose:
     return typed.pose(typed.one_word(words, typed.pose, unit))
 
 
-def _tell(
+def _report(
     robot: str | None,
     connect: list[str] | None,
     timeout: float,

@@ -48,7 +48,7 @@ def show(
 ) -> int:
     """Tell of the parameters `names`, which are fields or whole services; the exit code."""
 
-    def tell(connection: RobotConnection) -> int:
+    def report(connection: RobotConnection) -> int:
         is_known = all(name.partition(".")[0] in _TABLES for name in names)
         services = _services(connection, names if is_known else ())  # all of them know what was meant
         answers = _ask(connection, PARAM_DESCRIBE, dict.fromkeys(services, ParamDescribe()), _PATIENCE)
@@ -69,7 +69,7 @@ def show(
             view(wanted)
         return _WRONG if differences or len(answers) < len(services) else _DONE
 
-    return run_with_robot(robot, connect, _PATIENCE, tell)
+    return run_with_robot(robot, connect, _PATIENCE, report)
 
 
 def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, as_json: bool) -> int:
@@ -84,13 +84,13 @@ def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, 
     except ValueError as error:
         return print_error(f"{name}: {error}")
 
-    def tell(connection: RobotConnection) -> int:
+    def report(connection: RobotConnection) -> int:
         services = _services(connection, (service,))
         return _told(
             _ask(connection, PARAM_SET, dict.fromkeys(services, request), _PATIENCE), services, as_json=as_json
         )
 
-    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True, stands_in=False)
+    return run_with_robot(robot, connect, _PATIENCE, report, moves=True, stands_in=False)
 
 
 def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *, as_json: bool) -> int:
@@ -98,7 +98,7 @@ def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *
     if bare := [name for name in names if "." not in name and name not in _TABLES]:
         return show(robot, connect, bare, values, as_json=as_json)  # which tells what was meant
 
-    def tell(connection: RobotConnection) -> int:
+    def report(connection: RobotConnection) -> int:
         services = _services(connection, names)
         fields: dict[str, tuple[str, ...]] = dict.fromkeys(services, ())
         for service, dot, field in (name.partition(".") for name in names):
@@ -108,7 +108,7 @@ def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *
         requests = {service: ParamSave(names=few, by=by) for service, few in fields.items()}
         return _told(_ask(connection, PARAM_SAVE, requests, _SAVE_PATIENCE), services, as_json=as_json)
 
-    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True, stands_in=False)
+    return run_with_robot(robot, connect, _PATIENCE, report, moves=True, stands_in=False)
 
 
 def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:

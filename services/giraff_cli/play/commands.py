@@ -32,8 +32,8 @@ def play(
     the file could not be read, or it ended early because such a robot came; 2 nothing was played.
     """
     require_extra("play", "mcap", "cli,record")
-    from giraff_cli.play.player import play as it  # noqa: PLC0415
+    from giraff_cli.play.player import play as run  # noqa: PLC0415
 
     raise typer.Exit(
-        it(file, robot, connect or (), topics or (), rate, loop=loop, skip_gaps=skip_gaps, as_json=as_json)
+        run(file, robot, connect or (), topics or (), rate, loop=loop, skip_gaps=skip_gaps, as_json=as_json)
     )

@@ -21,7 +21,7 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_line
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.unread import Unread
-from giraff_node.network.consent import NoRobotError, tell
+from giraff_node.network.consent import NoRobotError, print_notice
 from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.services import PLAY
 from giraff_schemas.text import meant
@@ -96,7 +96,7 @@ def keys_played(recording: Recording, topics: Sequence[str]) -> set[str]:
     return recording.matching(topics)
 
 
-class Presence:
+class ReplayToken:
     """Of robots of this name: the one that is played, and those that are there."""
 
     def __init__(self, session: zenoh.Session, robot: str) -> None:
@@ -128,7 +128,7 @@ def _play(
     *,
     as_json: bool,
 ) -> int:
-    presence = Presence(connection.session, played.robot)
+    presence = ReplayToken(connection.session, played.robot)
     progress.prepare()
     reader.start()
     stopping.wait(_MEET_WITHIN)
@@ -143,7 +143,9 @@ def _play(
         due_ns = began_ns + round(said.at_ns / rate)
         if (silent := (due_ns - time.monotonic_ns()) * 1e-9) > _LONG_SILENCE:
             progress.hide()
-            tell(f"nothing was recorded here; the next sample comes in {silent:.0f} s (--skip-gaps leaves that out)")
+            print_notice(
+                f"nothing was recorded here; the next sample comes in {silent:.0f} s (--skip-gaps leaves that out)"
+            )
         if stopping.wait((due_ns - time.monotonic_ns()) * 1e-9):
             played.ended_by = "Ctrl-C or a signal"
             break

@@ -49,10 +49,10 @@ def record(  # noqa: PLR0913, PLR0917  one argument an option
 
         raise typer.Exit(mend(repair, output, as_json=as_json))
     from giraff_cli.record.recorder import Limits  # noqa: PLC0415
-    from giraff_cli.record.recorder import record as it  # noqa: PLC0415
+    from giraff_cli.record.recorder import record as run  # noqa: PLC0415
 
     limits = Limits(seconds, None if max_size is None else bytes_of(max_size))
-    raise typer.Exit(it(robot, connect or (), output, topics or (), limits, camera=camera, as_json=as_json))
+    raise typer.Exit(run(robot, connect or (), output, topics or (), limits, camera=camera, as_json=as_json))
 
 
 def bytes_of(size: str) -> int:

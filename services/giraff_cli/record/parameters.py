@@ -29,7 +29,7 @@ class RecordedParameters:
         self._asking: dict[Token, QueryClient[ParamDescribe, ParamAnswer]] = {}
         self._tokens: Any = watch_tokens(session, robot, lambda *news: self._news.append(news))
 
-    def take(self, now: float, at_ns: int) -> list[RawSample]:
+    def pop_all(self, now: float, at_ns: int) -> list[RawSample]:
         """Ask further, and return the answers since the last call. `now`: s; `at_ns`: the same moment."""
         for _ in range(len(self._news)):
             token, present = self._news.popleft()

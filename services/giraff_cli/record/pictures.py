@@ -23,7 +23,7 @@ class NoPictures:
         """Wait for so long; True: somebody has asked for the end."""
         return stopping.wait(seconds)
 
-    def take(self) -> list[RawSample]:
+    def pop_all(self) -> list[RawSample]:
         """Return what has come since the last call."""
         return []
 
@@ -46,10 +46,10 @@ class RecordedPictures(NoPictures):
         while (left := until - time.monotonic()) > 0.0:
             if stopping.wait(min(_TURN, left)):
                 return True
-            self._look()
+            self._poll()
         return False
 
-    def take(self) -> list[RawSample]:
+    def pop_all(self) -> list[RawSample]:
         for trouble in self._pictures.troubles():
             print_error(f"no picture: {trouble}")
         taken, self._taken = self._taken, []
@@ -58,8 +58,8 @@ class RecordedPictures(NoPictures):
     def close(self) -> None:
         self._pictures.close()
 
-    def _look(self) -> None:
+    def _poll(self) -> None:
         self._connection.dispatch(self._pictures)
-        for seen in self._pictures.take():
+        for seen in self._pictures.pop_pictures():
             key, sample = key_of(self._connection.robot, seen.topic), seen.picture
             self._taken.append(RawSample(time.monotonic_ns(), key, encode(sample), encoding_of(type(sample))))

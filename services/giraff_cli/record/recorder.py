@@ -26,7 +26,7 @@ from giraff_mcap.metadata import ASKED, metadata_of
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
+from giraff_node.network.discovery import RobotMonitor, not_found_text, select_robot
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.text import meant, printable
 from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, key_below
@@ -127,7 +127,7 @@ def _record(
         closing(RawSubscriber(connection.session, keys)) as subscriber,
         closing(RecordedPictures(connection) if camera else NoPictures()) as pictures,
     ):
-        tell(f"recording {robot} into {path}; Ctrl-C ends it")
+        print_progress(f"recording {robot} into {path}; Ctrl-C ends it")
         trouble = ended_by = ""
         try:
             parameters = RecordedParameters(connection.session, robot)
@@ -150,7 +150,7 @@ def _record(
     return _INCOMPLETE if trouble or report.unread else _DONE
 
 
-def tell(text: str) -> None:
+def print_progress(text: str) -> None:
     """What goes on, for people: standard output is for what comes of it."""
     print(printable(text), file=sys.stderr, flush=True)
 
@@ -164,10 +164,10 @@ def _wait_for_one(
     while not (found := monitor.settled):
         if not waiting and time.monotonic() - began > _SILENT_AFTER:
             waiting = True
-            tell(f"giraff: {not_found_text('', ())}; waiting for one")
+            print_progress(f"giraff: {not_found_text('', ())}; waiting for one")
         if stopping.wait(_LOOK_EVERY) or (seconds is not None and time.monotonic() - began >= seconds):
             return ""
-    return settle(connection.session, found, connection.filed)
+    return select_robot(connection.session, found, connection.filed)
 
 
 def _follow(
@@ -186,9 +186,9 @@ def _follow(
     while True:
         ended = pictures.wait(stopping, _SYNC_EVERY)
         at_ns = time.monotonic_ns()  # what is heard later than this is not taken before the parameters
-        heard = [*subscriber.take(), *pictures.take()]
+        heard = [*subscriber.pop_all(), *pictures.pop_all()]
         if heard or writer.first_ns is not None:  # a robot that says nothing is not recorded
-            heard += parameters.take(time.monotonic(), at_ns)
+            heard += parameters.pop_all(time.monotonic(), at_ns)
         writer.add(sorted(heard, key=attrgetter("at_ns")))
         writer.sync()
         now = time.monotonic()
@@ -205,4 +205,4 @@ def _follow(
             return "--max-size"
         if not warned and writer.first_ns is None and now - began > _SILENT_AFTER:
             warned = True
-            tell(f"giraff: {not_found_text(robot, monitor.names)}; waiting for it")
+            print_progress(f"giraff: {not_found_text(robot, monitor.names)}; waiting for it")

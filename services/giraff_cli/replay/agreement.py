@@ -27,7 +27,7 @@ class Agreement(msgspec.Struct, kw_only=True):
     def share(self) -> float:
         return self.equal / self.compared if self.compared else 0.0
 
-    def take(self, recorded: Sample, found: Sequence[str]) -> None:
+    def add(self, recorded: Sample, found: Sequence[str]) -> None:
         """One more was compared. `found`: where it differs."""
         self.compared += 1
         if not found:

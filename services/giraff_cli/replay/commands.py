@@ -23,6 +23,6 @@ def replay(
     it cannot be read; 2 nothing could be compared.
     """
     require_extra("replay", "mcap", "cli,record")
-    from giraff_cli.replay.runner import replay as it  # noqa: PLC0415
+    from giraff_cli.replay.runner import replay as run  # noqa: PLC0415
 
-    raise typer.Exit(it(file, least, as_json=as_json))
+    raise typer.Exit(run(file, least, as_json=as_json))

@@ -155,7 +155,7 @@ def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotC
         if differs is None:
             found.left_out += then is not None
         elif then is not None:
-            found.take(then, differs)
+            found.add(then, differs)
     return found
 
 
@@ -236,7 +236,7 @@ def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig)
             (LEASE.key, leases.get(index), lease),
         ):
             if then is not None and known:
-                found[key].take(then, differences(then, now, _SPEED))
+                found[key].add(then, differences(then, now, _SPEED))
             elif then is not None:
                 found[key].left_out += 1
     return list(found.values())
@@ -307,8 +307,8 @@ class _Guard:
         age = first.seq / CMD_VEL.rate_hz
         self._settles_ns = round((min(age, config.memory_time) + SETTLES) * 1e9)
         # One that has just begun has nothing to forget.
-        self._forgets_ns = 0 if age < SETTLES else round(max(config.fade_time, config.held_time) * 1e9)
-        self._forgets_travel = 0.0 if age < SETTLES else config.fade_travel
+        self._forgets_ns = 0 if age < SETTLES else round(max(config.trust_end_time, config.silent_time) * 1e9)
+        self._forgets_travel = 0.0 if age < SETTLES else config.trust_end_travel
         self._is_known = False
         self._linked_ns: int | None = None
         self._linked_travel = 0.0

@@ -95,7 +95,7 @@ def agreements(recording: Recording, strange: dict[str, str], unread: Unread | N
 def _least(recording: Recording) -> str:
     """Return what a recording must have of a guard that was at work before it began."""
     config = table_of(recording, "guard", GuardConfig)
-    return f"for {config.memory_time + SETTLES:g} s in which the robot goes {config.fade_travel:g} m"
+    return f"for {config.memory_time + SETTLES:g} s in which the robot goes {config.trust_end_travel:g} m"
 
 
 def _vision(

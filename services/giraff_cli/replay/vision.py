@@ -53,7 +53,7 @@ def replay_vision(said: RecordedSamples, pictures: Iterable[Picture], robot: Rob
         if differs is None:
             found.left_out += 1
         else:
-            found.take(then, differs)
+            found.add(then, differs)
     found.left_out += len(waiting)
     return found
 

@@ -39,7 +39,7 @@ def serve(robot: str | None, connect: Sequence[str], options: Mapping[str, Any])
         # The services' runtime from here on, with its signals: whatever ends it, the robot is told first.
         session = open_hand(connection.network, connection.robot, connection.session)
         with Node(ROS2.name, settings, session=session) as node:
-            run_ros2(node, tell)
+            run_ros2(node, print_lines)
         return _DONE
 
     # It stays for days, as a page. Its stop must not be the simulation's when the robot has come.
@@ -52,7 +52,7 @@ def config_of(options: Mapping[str, Any]) -> Ros2Config:
     return msgspec.structs.replace(filed, **options)
 
 
-def tell(lines: Sequence[str]) -> None:
+def print_lines(lines: Sequence[str]) -> None:
     """Print what a shell must be told, so that all of it can be pasted there. A closed output ends nothing."""
     try:
         print("# In each ROS terminal:", *lines, sep="\n", flush=True)

@@ -43,7 +43,7 @@ class Announcer:
         self._queryable = session.declare_queryable(health_key(robot, RUN.name), self._on_health_query)
         self._token = session.liveliness().declare_token(alive_key(robot, RUN.name, instance))
 
-    def tell(self, pose: TruePose | None, find_walls: Callable[[], Walls]) -> None:
+    def publish(self, pose: TruePose | None, find_walls: Callable[[], Walls]) -> None:
         """Say where the robot is, and now and then what stands around it. None: that is not known yet."""
         if pose is None:
             return

@@ -96,7 +96,7 @@ def _with_directory(
     code = FAILED
     try:
         robot = SimulatedRobot(plan, network.rendezvous, directory.path)
-        look = invitation.look if plan.camera else ""
+        look = invitation.how_to_see if plan.camera else ""
         code = Run(plan, robot, connection, stopping, hints=invitation.hints, look=look).run()
     finally:
         if code == DONE:

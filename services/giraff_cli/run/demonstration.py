@@ -21,7 +21,7 @@ SETTLES: Final = 0.5
 """s for which the hand stays flat once it has let go of the button: the joystick takes its new zero from that."""
 
 
-class Grip(NamedTuple):
+class JoystickHold(NamedTuple):
     """How the joystick is held."""
 
     drives: bool
@@ -30,9 +30,9 @@ class Grip(NamedTuple):
     """The button, which asks for the lease and moves nothing."""
 
 
-FLAT: Final = Grip(drives=False)
-DRIVES: Final = Grip(drives=True)
-ASKS: Final = Grip(drives=False, presses=True)
+FLAT: Final = JoystickHold(drives=False)
+DRIVES: Final = JoystickHold(drives=True)
+ASKS: Final = JoystickHold(drives=False, presses=True)
 
 
 class _Phase(Enum):
@@ -92,7 +92,7 @@ class Demonstration:
             case _:
                 pass
 
-    def grip(self, now: float) -> Grip:
+    def grip(self, now: float) -> JoystickHold:
         """How the joystick is to be held from now on."""
         self._advance(now)
         match self._phase:

@@ -14,7 +14,7 @@ from giraff_core.network import NetworkConfig
 _VERBS = (("drive",), ("stop",), ("why",), ("watch",))
 
 
-def _look() -> tuple[str, ...]:
+def _camera_verb() -> tuple[str, ...]:
     """Return the verb that shows what the camera sees: in a window where its library is here, else as a file."""
     return ("camera", "view") if find_spec("rerun") else ("camera", "view", "--save", "look.jpg")
 
@@ -45,13 +45,13 @@ class Invitation:
         return [f"drive it: {self.command('drive')}", f"stop it:  {self.command('stop')}"]
 
     @property
-    def look(self) -> str:
+    def how_to_see(self) -> str:
         """How to see what its camera sees."""
-        return f"see by it: {self.command(*_look())}"
+        return f"see by it: {self.command(*_camera_verb())}"
 
     def lines(self, *, camera: bool = False) -> list[str]:
         """Drive it, stop it, ask it why it does not move, watch it; with a camera, see by it."""
-        return [self.command(*verb) for verb in (*_VERBS, *([_look()] if camera else []))]
+        return [self.command(*verb) for verb in (*_VERBS, *([_camera_verb()] if camera else []))]
 
 
 def invite(

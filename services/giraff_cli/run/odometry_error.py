@@ -73,7 +73,7 @@ class Comparison:
         self._origins: tuple[Pose, Pose] | None = None
 
     def on_sample(self, sample: Odometry) -> None:
-        if self._samples and self._samples[-1].origin != sample.origin:
+        if self._samples and self._samples[-1].segment != sample.segment:
             # A restarted odometry begins anew wherever the robot then is, one whose pose was set goes on from there.
             self._samples.clear()
             self._origins = None

@@ -61,7 +61,7 @@ class Page:
         why_here = _NO_NETWORK if self._everywhere else _KEPT_OFF
         return CodeScreen(self.addresses, why_here) if self._shows_code else None
 
-    def look(self) -> bool:
+    def update(self) -> bool:
         """Whether there are new ones since the last call."""
         told = list(self._told())
         newest = tuple(each for each in told if each.partition("#")[2] == told[-1].partition("#")[2])

@@ -27,7 +27,7 @@ from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import BUILD, ROOT, Implementation, files_of
-from giraff_sim.bodies.kinds import read_drive, with_known, world_of
+from giraff_sim.bodies.registry import read_drive, with_known, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.main import make_hand
 from giraff_sim.settings import Settings

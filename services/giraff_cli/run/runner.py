@@ -40,7 +40,7 @@ from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, LOCALIZATION_SET_POSE, POSE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
 from giraff_sim.world.room import read_room
-from giraff_telemetry.layout import Standing
+from giraff_telemetry.layout import ServiceStatus
 
 
 class Joystick:
@@ -86,7 +86,7 @@ DONE: Final = 0
 FAILED: Final = 1
 
 
-class _Audience:
+class _Viewers:
     """Whoever is told what is heard."""
 
     def __init__(self, telemetry: RunTelemetry, joystick: Joystick) -> None:
@@ -114,7 +114,7 @@ class Run:
         hints: Sequence[str],
         look: str,
     ) -> None:
-        """`hints`: what a person can do, a line each. `look`: how to see by its camera; empty: it has none."""
+        """`hints`: what a person can do, a line each. `update`: how to see by its camera; empty: it has none."""
         self._plan = plan
         self._robot = robot
         self._connection = connection
@@ -191,7 +191,7 @@ class Run:
             if time.monotonic() > deadline:
                 self._failures.append(f"not on the network after {_SERVICES_WITHIN:g} s: {', '.join(sorted(missing))}")
                 return
-            if self._stopping.wait(_LOOK_EVERY) or not self._look(telemetry):
+            if self._stopping.wait(_LOOK_EVERY) or not self._update(telemetry):
                 return
 
     def _await_page(self) -> None:
@@ -199,14 +199,14 @@ class Run:
         if self._page is None:
             return
         deadline = time.monotonic() + _SERVICES_WITHIN
-        while not self._page.look():
+        while not self._page.update():
             self._note_ended()
             if WEB.name in self._robot.ended or self._stopping.wait(_LOOK_EVERY):
                 return
             if time.monotonic() > deadline:
                 self._failures.append(f"the page has told no address after {_SERVICES_WITHIN:g} s")
                 return
-        addresses.tell(self._page.addresses)
+        addresses.print_addresses(self._page.addresses)
 
     def _tell_place(self, telemetry: RunTelemetry) -> None:
         """Tell localization once where the robot is, as a person does who puts it on its mark. Never waits."""
@@ -223,7 +223,7 @@ class Run:
     def _drive(self, telemetry: RunTelemetry) -> None:
         until = math.inf if self._plan.seconds is None else time.monotonic() + self._plan.seconds
         push_at = time.monotonic() + _PUSH_AFTER if self._plan.driver == "demo" else math.inf
-        while self._look(telemetry):
+        while self._update(telemetry):
             if time.monotonic() >= push_at and telemetry.balance is not None:
                 self._robot.push()
                 push_at = math.inf
@@ -256,24 +256,24 @@ class Run:
         while looks < _LOOKS_AT_REST and (now := time.monotonic()) < deadline:
             if stop is not None:
                 stop.poll(now)
-            if self._stopping.wait(_LOOK_EVERY, patience=asked + 1) or not self._look(telemetry):
+            if self._stopping.wait(_LOOK_EVERY, patience=asked + 1) or not self._update(telemetry):
                 return False
             looks = looks + 1 if telemetry.is_at_rest else 0
         return True
 
-    def _look(self, telemetry: RunTelemetry) -> bool:
+    def _update(self, telemetry: RunTelemetry) -> bool:
         """Take in what there is and show it; False when the world has ended."""
         self._note_ended()
         if SIMULATOR in self._robot.ended:
             return False
-        self._connection.dispatch(_Audience(telemetry, self._joystick))
+        self._connection.dispatch(_Viewers(telemetry, self._joystick))
         self._joystick.hold(robot_now_ns() * 1e-9)
         telemetry.see(self._robot.truth())
         self._tell_place(telemetry)
         if self._announcer is not None:
-            self._announcer.tell(telemetry.true_pose, telemetry.walls)
-        if self._page is not None and self._page.look() and isinstance(self._screen, LineScreen):
-            addresses.tell(self._page.addresses)
+            self._announcer.publish(telemetry.true_pose, telemetry.walls)
+        if self._page is not None and self._page.update() and isinstance(self._screen, LineScreen):
+            addresses.print_addresses(self._page.addresses)
         if self._page is not None and self._keys is not None:
             self._page.on_keys(self._keys.read())
         try:
@@ -315,16 +315,16 @@ class Run:
             hints=hints,
             note=self._joystick.note,
             code_key=CODE_KEY if self._keys is not None and self._keys.are_heard else "",
-            services={service: self._standing(service, telemetry) for service in self._services},
+            services={service: self._status(service, telemetry) for service in self._services},
             look=self._look_hint,
-            vision=self._standing(VISION.name, telemetry) if self._plan.camera else None,
-            localization=self._standing(LOCALIZATION.name, telemetry) if self._plan.localize else None,
+            vision=self._status(VISION.name, telemetry) if self._plan.camera else None,
+            localization=self._status(LOCALIZATION.name, telemetry) if self._plan.localize else None,
             ended="" if self._ended is None else self._ended.headline,
             notices=tuple(self._failures[-1:]) if self._ended is None else (self._ended.cause,),
         )
         return RunView(telemetry.snapshot(now_ns), frame)
 
-    def _standing(self, service: str, telemetry: RunTelemetry) -> Standing:
+    def _status(self, service: str, telemetry: RunTelemetry) -> ServiceStatus:
         if service in self._robot.ended:
             return "ended"
         if service in telemetry.alive:

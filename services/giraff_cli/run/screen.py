@@ -17,7 +17,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
 from giraff_telemetry import panels as blocks
 from giraff_telemetry.describe import base_text, forward_text, localization_text, range_text
-from giraff_telemetry.layout import HEADING, NONE, Standing, beside, block, clock, header, notice, right, services
+from giraff_telemetry.layout import HEADING, NONE, ServiceStatus, beside, block, clock, header, notice, right, services
 from giraff_telemetry.panels import dim
 from giraff_telemetry.visual_odometry import visual_text
 
@@ -64,10 +64,10 @@ class Frame:
     """What the demonstration does instead of driving; empty: it drives."""
     code_key: str = ""
     """The key that shows the code of the page's address. Empty: none does."""
-    services: dict[str, Standing]
-    localization: Standing | None
+    services: dict[str, ServiceStatus]
+    localization: ServiceStatus | None
     """Of the service that looks for it on the map; None: there is none."""
-    vision: Standing | None = None
+    vision: ServiceStatus | None = None
     """Of the service that tells motion by the camera. None: there is none."""
     look: str = ""
     """How to see by its camera; empty: it has none."""

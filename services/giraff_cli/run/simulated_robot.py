@@ -10,7 +10,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.run.demonstration import Grip
+from giraff_cli.run.demonstration import JoystickHold
 from giraff_cli.run.driver import Driver
 from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.page import ROOM_FILE, Page, write_room
@@ -163,7 +163,7 @@ class SimulatedRobot:
         """Have the battery of a robot that balances run low: it sits down then. Raises SimulatorError."""
         self._connected().battery(_LOW_BATTERY)
 
-    def hold_joystick(self, grip: Grip) -> None:
+    def hold_joystick(self, grip: JoystickHold) -> None:
         """Raises SimulatorError."""
         client = self._connected()
         client.hand(self._plan.hand if grip.drives else "still")

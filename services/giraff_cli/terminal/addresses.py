@@ -50,7 +50,7 @@ def without_token(address: str) -> str:
     return address.partition("#")[0]
 
 
-def tell(addresses: Sequence[str]) -> None:
+def print_addresses(addresses: Sequence[str]) -> None:
     """Print them, with the code of the first that a phone can open where a terminal shows it.
 
     Whoever reads may have gone: that ends nothing.

@@ -24,7 +24,7 @@ class NobodyError(Exception):
 class Human(Protocol):
     """Who drives and measures."""
 
-    def tell(self, text: str) -> None: ...
+    def show(self, text: str) -> None: ...
 
     def ask(self, question: str, meanwhile: Callable[[], str]) -> str:
         """Return the line that is typed. Until then call `meanwhile` often, and show what it returns.
@@ -42,7 +42,7 @@ class Terminal:
         self._typed = b""
         self._shown = shown
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         print_wrapped(text, self._shown)
 
     def ask(self, question: str, meanwhile: Callable[[], str]) -> str:
@@ -82,7 +82,7 @@ def agrees(human: Human, question: str, meanwhile: Callable[[], str] = lambda: "
             return True
         if answer in {"no", "n"}:
             return False
-        human.tell("Type yes or no.")
+        human.show("Type yes or no.")
 
 
 @contextlib.contextmanager

@@ -21,6 +21,6 @@ def top(
     In a terminal a live view, else one line a second; with --json an object a second. Exit code: 0; 2 there is no
     robot to tell of.
     """
-    from giraff_cli.top.monitor import top as it  # noqa: PLC0415
+    from giraff_cli.top.monitor import top as run  # noqa: PLC0415
 
-    raise typer.Exit(it(robot, connect or (), seconds, once=once, as_json=as_json))
+    raise typer.Exit(run(robot, connect or (), seconds, once=once, as_json=as_json))

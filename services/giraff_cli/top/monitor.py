@@ -74,8 +74,8 @@ class Top:
             return True
         until = time.monotonic() + seconds
         while (now := time.monotonic()) < until:
-            self._monitor.look(now, again=True)
-            self._loads.take(self._monitor.robot_graph)
+            self._monitor.update(now, again=True)
+            self._loads.update(self._monitor.robot_graph)
             if self._stopping.wait(min(_TURN, max(0.0, until - now))):
                 return True
         return False

@@ -24,7 +24,7 @@ _LEAST: Final = 1.0  # s
 _SLOW: Final = 0.8  # of the nominal rate
 
 
-class Work(msgspec.Struct, frozen=True, kw_only=True):
+class ProcessRow(msgspec.Struct, frozen=True, kw_only=True):
     """A process."""
 
     service: str
@@ -40,7 +40,7 @@ class Work(msgspec.Struct, frozen=True, kw_only=True):
     """Its faults and notices."""
 
 
-class Stream(msgspec.Struct, frozen=True, kw_only=True):
+class TopicRow(msgspec.Struct, frozen=True, kw_only=True):
     """One maker's samples of a key."""
 
     key: str
@@ -64,10 +64,10 @@ class TopReport(msgspec.Struct, frozen=True, kw_only=True):
 
     robot: str
     elapsed: float
-    services: list[Work]
+    services: list[ProcessRow]
     hosts: dict[str, tuple[float, int]]
     """By host, what the services there take together: of one core, bytes."""
-    topics: list[Stream]
+    topics: list[TopicRow]
 
 
 class Loads:
@@ -76,7 +76,7 @@ class Loads:
     def __init__(self) -> None:
         self._told: dict[str, deque[Health]] = {}
 
-    def take(self, robot_graph: RobotGraph) -> None:
+    def update(self, robot_graph: RobotGraph) -> None:
         """The newest answers."""
         self._told = {instance: told for instance, told in self._told.items() if instance in robot_graph.alive}
         for instance, health in robot_graph.healths.items():
@@ -125,7 +125,7 @@ class TopView(msgspec.Struct, frozen=True):
 def report_of(robot_graph: RobotGraph, loads: Loads, elapsed: float, now: float) -> TopReport:
     """`now`: monotonic, s."""
     services = [
-        Work(
+        ProcessRow(
             service=maker.service,
             instance=maker.instance,
             host="" if health is None else health.host,
@@ -157,13 +157,13 @@ def report_of(robot_graph: RobotGraph, loads: Loads, elapsed: float, now: float)
     )
 
 
-def _stream(statistics: TopicStatistics, by: str, count: PublisherStatistics, now: float) -> Stream:
+def _stream(statistics: TopicStatistics, by: str, count: PublisherStatistics, now: float) -> TopicRow:
     row = topic_of(statistics.key)
     nominal = 0.0 if row is None else row.rate_hz
     silence = now - count.newest.at
     silent = silence > max(_LEAST, _PERIODS / nominal if nominal else 0.0)
     median = count.ages.quantile(0.5)
-    return Stream(
+    return TopicRow(
         key=statistics.key,
         by=by,
         hz=None if silent else count.rate_over(_WINDOW),
@@ -213,7 +213,7 @@ def _topics(report: TopReport) -> Table:
     )
 
 
-def _is_slow(stream: Stream) -> bool:
+def _is_slow(stream: TopicRow) -> bool:
     if stream.hz is None:
         return stream.silent and stream.nominal_hz > 0.0
     return stream.hz < _SLOW * stream.nominal_hz

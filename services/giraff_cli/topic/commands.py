@@ -37,9 +37,9 @@ def list_topics(
 
     Exit code: 0; 2 there is no robot to tell of.
     """
-    from giraff_cli.topic import listing as it  # noqa: PLC0415
+    from giraff_cli.topic import listing as run  # noqa: PLC0415
 
-    raise typer.Exit(it.list_topics(robot, connect or (), seconds, with_absent=with_absent, as_json=as_json))
+    raise typer.Exit(run.list_topics(robot, connect or (), seconds, with_absent=with_absent, as_json=as_json))
 
 
 @topic.command()
@@ -54,9 +54,9 @@ def info(
 
     Exit code: 0; 2 nobody publishes it.
     """
-    from giraff_cli.topic import listing as it  # noqa: PLC0415
+    from giraff_cli.topic import listing as run  # noqa: PLC0415
 
-    raise typer.Exit(it.info(key, robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(run.info(key, robot, connect or (), seconds, as_json=as_json))
 
 
 @topic.command()
@@ -80,9 +80,9 @@ def echo(
 
     Exit code: 0; 2 nobody publishes it, or nothing came.
     """
-    from giraff_cli.topic.echo import echo as it  # noqa: PLC0415
+    from giraff_cli.topic.echo import echo as run  # noqa: PLC0415
 
-    raise typer.Exit(it(key, robot, connect or (), count, seconds, field or (), as_json=as_json))
+    raise typer.Exit(run(key, robot, connect or (), count, seconds, field or (), as_json=as_json))
 
 
 @topic.command()
@@ -97,9 +97,9 @@ def hz(
 
     Exit code: 0 all that was sent came, once and in order; 1 not; 2 nobody publishes it, or nothing came.
     """
-    from giraff_cli.topic.rates import hz as it  # noqa: PLC0415
+    from giraff_cli.topic.rates import hz as run  # noqa: PLC0415
 
-    raise typer.Exit(it(key, robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(run(key, robot, connect or (), seconds, as_json=as_json))
 
 
 @topic.command()
@@ -114,9 +114,9 @@ def bw(
 
     Exit code: 0; 2 nobody publishes it, or nothing came.
     """
-    from giraff_cli.topic.rates import bw as it  # noqa: PLC0415
+    from giraff_cli.topic.rates import bw as run  # noqa: PLC0415
 
-    raise typer.Exit(it(key, robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(run(key, robot, connect or (), seconds, as_json=as_json))
 
 
 @topic.command()
@@ -147,6 +147,6 @@ def pub(
 
     Exit code: 0 published; 1 ended because the robot came; 2 refused.
     """
-    from giraff_cli.topic.publish import pub as it  # noqa: PLC0415
+    from giraff_cli.topic.publish import pub as run  # noqa: PLC0415
 
-    raise typer.Exit(it(key, sample, robot, connect or (), rate, count, as_json=as_json))
+    raise typer.Exit(run(key, sample, robot, connect or (), rate, count, as_json=as_json))

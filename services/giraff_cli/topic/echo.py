@@ -107,9 +107,9 @@ class Echo:
         heard = self._monitor.robot_graph.heard
         began, told, doubtful = time.monotonic(), 0, True
         while not self._stopping.asked:
-            self._monitor.look(now := time.monotonic())
+            self._monitor.update(now := time.monotonic())
             while heard and told < count:
-                self._tell(*heard.popleft())
+                self._print_sample(*heard.popleft())
                 told += 1
             self._mention()
             if told >= count or now - began >= seconds:
@@ -121,7 +121,7 @@ class Echo:
             self._stopping.wait(min(_LOOK_EVERY, max(0.0, began + seconds - now)))
         return 0 if told or self._stopping.asked else print_error(f"nothing came on {self._topic.key} in {seconds:g} s")
 
-    def _tell(self, key: str, sample: Sample | Undeclared, at_ns: int) -> None:
+    def _print_sample(self, key: str, sample: Sample | Undeclared, at_ns: int) -> None:
         given, form = (sample.content, f", {sample.form}") if isinstance(sample, Undeclared) else (sample, "")
         if self._as_json:
             content = selected(msgspec.to_builtins(given), self._fields)

@@ -169,7 +169,7 @@ def _publish(
     due = time.monotonic()
     trouble = ""
     while True:
-        monitor.look(time.monotonic())
+        monitor.update(time.monotonic())
         if trouble := publish_refusal(topic, monitor.robot_graph.spoken):
             break
         result.matching = is_listened_to(publisher)
@@ -178,7 +178,7 @@ def _publish(
         due += period
         if not period or (count and result.sent >= count) or stopping.wait(max(0.0, due - time.monotonic())):
             break
-    _tell(result, as_json=as_json)
+    _print_result(result, as_json=as_json)
     if trouble:
         print_error(trouble)
         return _REFUSED_LATER
@@ -196,7 +196,7 @@ def _encoded(
     return "application/msgpack", lambda: msgspec.msgpack.encode(message)
 
 
-def _tell(result: Published, *, as_json: bool) -> None:
+def _print_result(result: Published, *, as_json: bool) -> None:
     if as_json:
         print_json(result)
         return

@@ -79,7 +79,7 @@ class Bandwidth(msgspec.Struct, frozen=True, kw_only=True):
 def hz(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """Count for `seconds` and print it; the exit code."""
 
-    def tell(robot_graph: RobotGraph) -> int:
+    def report(robot_graph: RobotGraph) -> int:
         rates = rates_of(robot_graph)
         if as_json:
             print_json(rates)
@@ -87,13 +87,13 @@ def hz(key: str | None, robot: str | None, connect: Sequence[str], seconds: floa
             _show_rates(rates)
         return _WELL if rates.well else _ILL
 
-    return _measure(key, robot, connect, seconds, tell)
+    return _measure(key, robot, connect, seconds, report)
 
 
 def bw(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """Weigh for `seconds` and print it; the exit code."""
 
-    def tell(robot_graph: RobotGraph) -> int:
+    def report(robot_graph: RobotGraph) -> int:
         widths = bandwidths_of(robot_graph)
         if as_json:
             print_json(widths)
@@ -101,7 +101,7 @@ def bw(key: str | None, robot: str | None, connect: Sequence[str], seconds: floa
             _show_bandwidths(widths)
         return _WELL
 
-    return _measure(key, robot, connect, seconds, tell)
+    return _measure(key, robot, connect, seconds, report)
 
 
 def rates_of(robot_graph: RobotGraph) -> Rates:

@@ -91,7 +91,7 @@ def tune_balance(file: Path | None, *, as_json: bool) -> int:
     except ValueError as error:
         return print_error(f"{settings.place('base')}: {error}")
 
-    def tell() -> int:
+    def report() -> int:
         if as_json:
             print_json(
                 {
@@ -104,7 +104,7 @@ def tune_balance(file: Path | None, *, as_json: bool) -> int:
             print(line)
         return 0
 
-    return guard_stdout(tell)
+    return guard_stdout(report)
 
 
 def rows_of(body: FiledBody) -> dict[str, Gains]:

@@ -107,7 +107,7 @@ def converse(
     report: Report = no_report,
 ) -> int:
     """Ask, drive, tell, ask and write; the exit code."""
-    human.tell(
+    human.show(
         f"Robot {robot}; what is found goes into {path}. It drives {DISTANCE:g} m straight ahead and back, "
         "on the floor it will live on, and once more if it finds better gains. Ctrl-C stops it."
     )
@@ -115,9 +115,9 @@ def converse(
         if not agrees(human, f"Are {_FREE:g} m ahead of it free? [yes/no]"):
             return complain(f"nothing has moved. {_NOT_KEPT}", REFUSED)
         legs = _drive(driven, filed)
-        _tell(tell_drive(legs, dots=takes_dots()))
+        _print_lines(tell_drive(legs, dots=takes_dots()))
         motors, proposal = measure(legs, drive.speed_control)
-        _tell(["", *tell_motors(legs, motors), ""])
+        _print_lines(["", *tell_motors(legs, motors), ""])
         ratio = driven.voltage / drive.battery_nominal if driven.voltage else 1.0
         if text := tell_fastest(
             fastest(motors, drive.max_level, ratio),
@@ -125,12 +125,12 @@ def converse(
             drive.max_level,
             battery_known=bool(driven.voltage),
         ):
-            human.tell(text)
+            human.show(text)
         before, changes = follow(legs), proposal.changes(drive.speed_control)
         if before.is_good or not changes:
-            human.tell(f"Keep what the file has: it drives as well as a drive can tell. {_NOT_KEPT}")
+            human.show(f"Keep what the file has: it drives as well as a drive can tell. {_NOT_KEPT}")
             return DONE
-        _tell(tell_changes(changes, proposal.bound))
+        _print_lines(tell_changes(changes, proposal.bound))
         if not agrees(human, f"Write into [{TABLE}] of {path}, for a second drive to judge them? [yes/no]"):
             return complain(f"not wanted. {_NOT_KEPT}", REFUSED)
         found = {name: after for name, (_, after) in changes.items()}
@@ -158,26 +158,26 @@ def _judge(
 ) -> int:
     """Drive with gains that only a better drive leaves in the file; the exit code."""
     with Trial(human, path, found) as trial:
-        human.tell(
+        human.show(
             f"Written: [{TABLE}] of {path}; as it was before: {trial.copy}. "
             "Restart base now, with the robot at rest, so that it goes by them."
         )
         if overriding := still_overriding({TABLE: found}, os.environ):
-            human.tell(overriding)
+            human.show(overriding)
         while agrees(human, f"Is base restarted, and are {_FREE:g} m ahead free again? [yes/no]"):
             if driven.goes_by(found):
                 break
-            human.tell(f"base does not say that it goes by them; restart it with {path}.")
+            human.show(f"base does not say that it goes by them; restart it with {path}.")
         else:
             return complain("the gains found are not tried", REFUSED)
         after = follow(_drive(driven, filed))
-        _tell(["", *tell_follow(before, after), ""])
+        _print_lines(["", *tell_follow(before, after), ""])
         trial.stays = after.beats(before)
     if trial.stays:
         report(document(path, {TABLE: found}, trial.copy))
-        human.tell(f"The second drive is better. {path} keeps these gains; as it was before: {trial.copy}.")
+        human.show(f"The second drive is better. {path} keeps these gains; as it was before: {trial.copy}.")
     else:
-        human.tell("The second drive is not better.")
+        human.show("The second drive is not better.")
     return DONE if trial.is_settled else REFUSED
 
 
@@ -192,7 +192,7 @@ def complain(reason: str, code: int) -> int:
     return code
 
 
-def _tell(lines: Iterable[str]) -> None:
+def _print_lines(lines: Iterable[str]) -> None:
     """Print rows and pictures, which are not to be wrapped."""
     for line in lines:
         print(line, flush=True)

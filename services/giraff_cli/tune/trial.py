@@ -42,7 +42,7 @@ class Trial:
                 self.is_settled = True
         except OSError as error:
             why = str(error)
-        self._human.tell(
+        self._human.show(
             f"The gains on trial are still in {self._path}: {why}. It was before: {self.copy}."
             if not self.is_settled
             else f"{self._path} is as it was. If base has been restarted, restart it once more, at rest."

@@ -128,14 +128,14 @@ class LiveViewer:
                 is_shaped = True
             if self._pictures is not None:
                 self._draw_pictures(stage, self._pictures)
-            stage.show.look(time.time_ns())
+            stage.show.update(time.time_ns())
             if not told and not stage.show.heard and now - began > _TELL_AFTER:
                 told = True
                 print_error(f"{self._unheard()}; waiting for it")
 
     @staticmethod
     def _draw_pictures(stage: ViewerOutput, pictures: PictureSubscriber) -> None:
-        for seen in pictures.take():
+        for seen in pictures.pop_pictures():
             stage.show.on_sample(seen.topic, seen.picture, time.time_ns())
         for trouble in pictures.troubles():
             print_error(trouble)

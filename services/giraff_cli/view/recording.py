@@ -70,7 +70,7 @@ class RecordingViewer:
                 stage.show.on_sample(topic, recorded.decode(), recorded.heard_ns)
             except DecodeError:
                 strange += 1
-            stage.show.look(recorded.heard_ns)
+            stage.show.update(recorded.heard_ns)
         return strange
 
 

@@ -49,6 +49,6 @@ def vision(
         raise typer.Exit(2)
     for library in ("cv2", "mcap"):
         require_extra("vision", library, "camera,cli,record")
-    from giraff_cli.vision.offline import look  # noqa: PLC0415
+    from giraff_cli.vision.offline import measure_recording  # noqa: PLC0415
 
-    raise typer.Exit(look(source, camera, file, as_json=as_json))
+    raise typer.Exit(measure_recording(source, camera, file, as_json=as_json))

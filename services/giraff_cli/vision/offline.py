@@ -42,7 +42,7 @@ _MOST_READ: Final = 0.98
 """Share of a video's pictures from which it counts as whole. Some files tell their number by their length only."""
 
 
-def look(path: Path, camera: str | None, file: Path | None, *, as_json: bool) -> int:
+def measure_recording(path: Path, camera: str | None, file: Path | None, *, as_json: bool) -> int:
     """Return the exit code. `camera`, `file`: as they were typed."""
     faults: list[str] = []
     tally = Tally()
@@ -65,7 +65,7 @@ def look(path: Path, camera: str | None, file: Path | None, *, as_json: bool) ->
                     policy.on_odometry(each)
                 else:
                     picture, grey, at_ns = each
-                    tally.take(policy.on_picture(picture, grey), at_ns)
+                    tally.add(policy.on_picture(picture, grey), at_ns)
     except (ConfigError, RecordingError, ValueError) as error:
         return print_error(str(error))
     for fault in faults:

@@ -63,7 +63,7 @@ class Tally:
         self._key_wheels = self._wheels = Pose(0.0, 0.0, 0.0)
         self._most_off = 0.0
 
-    def take(self, said: VisualOdometry, at_ns: int) -> None:
+    def add(self, said: VisualOdometry, at_ns: int) -> None:
         """Take the next. `at_ns`: when its picture was taken or heard, ns of any one clock."""
         summary, before, self._said = self.summary, self._said, said
         if before is None:

@@ -21,6 +21,6 @@ def watch(
     takes one that comes back up again. Exit code: 0; 1 standard output takes nothing; 2 no robot came within --for,
     or several are there and none is named.
     """
-    from giraff_cli.watch.monitor import watch as it  # noqa: PLC0415
+    from giraff_cli.watch.monitor import watch as run  # noqa: PLC0415
 
-    raise typer.Exit(it(robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(run(robot, connect or (), seconds, as_json=as_json))

@@ -17,7 +17,7 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.watch.report import ReportView
 from giraff_cli.watch.screen import WatchView
 from giraff_node import robot_now_ns
-from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
+from giraff_node.network.discovery import RobotMonitor, not_found_text, select_robot
 from giraff_node.network.host_addresses import AddressWatch, host_addresses
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.topics import (
@@ -86,7 +86,7 @@ class Watch:
         """Hear all of a robot that is there before anything of it is shown."""
         until = min(self._seconds, _MEET_WITHIN)
         while self._elapsed < until and not self._stopping.wait(_MEET_EVERY):
-            snapshot = self._look().snapshot
+            snapshot = self._update().snapshot
             if None not in (snapshot.odometry, snapshot.lease, snapshot.guard, snapshot.base, snapshot.estop):
                 return
 
@@ -95,7 +95,7 @@ class Watch:
         self._is_shown = True
         every = _LOOK_EVERY if isinstance(screen, Terminal) else _LINE_EVERY
         while True:
-            view = self._look()
+            view = self._update()
             screen.show(view)
             left, next_look = self._seconds - self._elapsed, every - self._elapsed % every
             if left <= 0.0 or self._stopping.wait(min(left, next_look)):
@@ -106,7 +106,7 @@ class Watch:
         """s since it began."""
         return time.monotonic() - self._began
 
-    def _look(self) -> WatchView:
+    def _update(self) -> WatchView:
         """Take in what there is. Raises MovedError."""
         now = time.monotonic()
         if math.isinf(self._seconds) and self._addresses.due(now) and self._addresses.moved(now, host_addresses()):
@@ -134,7 +134,7 @@ class Watch:
         if self._listens:
             return
         if not self._connection.robot and (found := self._monitor.settled):
-            self._connection.robot = settle(
+            self._connection.robot = select_robot(
                 self._connection.session, found, self._connection.filed, asks=not self._is_shown
             )
         if self._connection.robot:

@@ -28,7 +28,7 @@ from giraff_telemetry.describe import (
 )
 from giraff_telemetry.layout import (
     NONE,
-    Standing,
+    ServiceStatus,
     beside,
     block,
     clock,
@@ -76,7 +76,7 @@ class WatchView:
         snapshot = self.snapshot
         return Group(
             _header(self),
-            services(_standings(snapshot)),
+            services(_statuses(snapshot)),
             beside(
                 blocks.pose(snapshot),
                 blocks.motion(*moving(snapshot), style=dim(snapshot.odometry)),
@@ -128,8 +128,8 @@ def _header(view: WatchView) -> RenderableType:
     return header(*parts)
 
 
-def _standings(snapshot: Snapshot) -> list[tuple[str, Standing]]:
-    found: list[tuple[str, Standing]] = []
+def _statuses(snapshot: Snapshot) -> list[tuple[str, ServiceStatus]]:
+    found: list[tuple[str, ServiceStatus]] = []
     for service in dict.fromkeys((*ROBOTS_OWN, *sorted(snapshot.services))):
         count = snapshot.services.get(service, 0)
         found.append((service if count < 2 else f"{service} x{count}", "alive" if count else "silent"))

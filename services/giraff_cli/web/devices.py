@@ -24,7 +24,7 @@ _NOBODY: Final = (
 )
 
 
-class _Found(NamedTuple):
+class _PageMatch(NamedTuple):
     """A page, and the service that has it."""
 
     path: Path
@@ -118,7 +118,7 @@ def _told(answers: dict[Path, Answer], faults: Sequence[str]) -> int:
 def _end(wanted: str, answers: dict[Path, Answer], faults: Sequence[str], *, as_json: bool) -> int:
     if not answers:
         return _told(answers, faults)
-    pages = [_Found(path, answer, page) for path, answer in answers.items() for page in answer.pages]
+    pages = [_PageMatch(path, answer, page) for path, answer in answers.items() for page in answer.pages]
     found = [each for each in pages if each.is_called(wanted)]
     if not found:
         there = "; ".join(_name(each) for each in pages) or "none"
@@ -138,5 +138,5 @@ def _end(wanted: str, answers: dict[Path, Answer], faults: Sequence[str], *, as_
     return _DONE
 
 
-def _name(found: _Found) -> str:
+def _name(found: _PageMatch) -> str:
     return f"{found.number} ({printable(found.page.device)})"

@@ -42,6 +42,6 @@ def _serve(connection: RobotConnection, settings: Settings[WebConfig], *, as_jso
     # The services' runtime from here on, with its signals: whatever ends it, the robot is told first.
     session = open_hand(connection.network, connection.robot, connection.session)
     with Node(WEB.name, settings, session=session) as node:
-        tell = addresses.tell_programs if as_json else addresses.tell
+        tell = addresses.tell_programs if as_json else addresses.print_addresses
         run_web(node, lambda told: tell(addresses.with_loopback(told)))
     return _DONE

@@ -9,11 +9,11 @@ import msgspec
 from giraff_cli.why.observation import Observation
 from giraff_core.latest import Latest
 from giraff_schemas.actions import ANY, BY_OPERATOR, Words
-from giraff_schemas.messages import DriveCommand, Lease, Tilt, Verdict
+from giraff_schemas.messages import DirectionLimit, DriveCommand, Lease, Tilt
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
 from giraff_schemas.trouble import Trouble
 
-Standing = Literal["ok", "limits", "idle", "waits", "STOPS", "missing"]
+LinkStatus = Literal["ok", "limits", "idle", "waits", "STOPS", "missing"]
 """`limits`: the robot drives, but slowly or not everywhere. `idle`: nobody asks to drive. `waits`: another link is to
 blame."""
 
@@ -22,7 +22,7 @@ class Link(msgspec.Struct, frozen=True, kw_only=True):
     """One link of the chain from hand to wheel."""
 
     name: str
-    standing: Standing
+    status: LinkStatus
     text: str
     """What is so, with the way out where something is wrong."""
     age: float | None = None
@@ -30,7 +30,7 @@ class Link(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def breaks(self) -> bool:
-        return self.standing in ("STOPS", "missing")
+        return self.status in ("STOPS", "missing")
 
 
 class ChainState:
@@ -55,7 +55,7 @@ class ChainState:
         return self.operator is not None and not self.operator.sample.neutral
 
     @property
-    def blocked(self) -> list[tuple[str, Verdict]]:
+    def blocked(self) -> list[tuple[str, DirectionLimit]]:
         """The directions that the guard blocks and the hand asks for; of a level hand: both ways along x, or none."""
         if self.guard is None:
             return []
@@ -92,12 +92,12 @@ class ChainState:
         """What is wrong with a service as a process; None: exactly one of it runs and speaks."""
         makers = {heard.sample.instance for heard in self.observation.of(topic)}
         if len(makers) > 1:
-            return Link(name=service, standing="STOPS", text=several(f"giraff_{service}", makers))
+            return Link(name=service, status="STOPS", text=several(f"giraff_{service}", makers))
         if makers:
             return None
         if service in self.observation.alive:
             return self.silent(service, service)
-        return Link(name=service, standing="missing", text=f"giraff_{service} is not running, or hangs; {how}")
+        return Link(name=service, status="missing", text=f"giraff_{service} is not running, or hangs; {how}")
 
     def silent(self, link: str, service: str) -> Link:
         """Return the link of a service that is on the network and sends no samples."""
@@ -110,7 +110,7 @@ class ChainState:
             if theirs := {each for each in self.observation.versions(service) if each != self.observation.version}:
                 well = f"is of version {', '.join(sorted(theirs))}, and this command of {self.observation.version}"
             why = self.tell(link, *self.observation.faults(service)) or well
-        return Link(name=link, standing="STOPS", text=f"giraff_{service}: {why}")
+        return Link(name=link, status="STOPS", text=f"giraff_{service}: {why}")
 
     def _words(self, commands: list[Latest[DriveCommand]]) -> Words:
         holder = self.lease.sample.holder if self.lease is not None else ""
@@ -128,9 +128,9 @@ def several(what: str, instances: set[str]) -> str:
     return f"{len(instances)} {what} run under this name ({', '.join(sorted(instances))}); end all but one"
 
 
-def link_from(name: str, standing: Standing, heard: Latest[Any], text: str) -> Link:
+def link_from(name: str, status: LinkStatus, heard: Latest[Any], text: str) -> Link:
     """The link that `heard` tells of."""
-    return Link(name=name, standing=standing, text=text, age=round(heard.age, 3))
+    return Link(name=name, status=status, text=text, age=round(heard.age, 3))
 
 
 def _in_charge(commands: list[Latest[DriveCommand]], lease: Latest[Lease] | None) -> Latest[DriveCommand] | None:

@@ -11,7 +11,7 @@ from giraff_core.latest import Latest
 from giraff_core.lease import IDLE
 from giraff_core.sensors import ULTRASONIC
 from giraff_guard.config import GuardConfig
-from giraff_schemas.messages import DriveCommand, Range, Verdict
+from giraff_schemas.messages import DirectionLimit, DriveCommand, Range
 from giraff_schemas.services import HANDS, ROS2
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 from giraff_schemas.trouble import Trouble
@@ -32,8 +32,8 @@ def operator(chain: ChainState) -> Link:
             return chain.silent("operator", there[0])
         if ROS2.name in chain.observation.alive:
             text = f"no program of ROS publishes cmd_vel, where giraff_ros2 listens; start one, or {START_A_HAND}"
-            return Link(name="operator", standing="missing", text=_told_of_ros(chain) or text)
-        return Link(name="operator", standing="missing", text=f"no operator is heard; {START_A_HAND}")
+            return Link(name="operator", status="missing", text=_told_of_ros(chain) or text)
+        return Link(name="operator", status="missing", text=f"no operator is heard; {START_A_HAND}")
     command, name = heard.sample, heard.sample.operator
     commands = (each.sample for each in chain.observation.of(OPERATOR_CMD_VEL))
     same = {each.instance for each in commands if each.operator == name}
@@ -73,7 +73,7 @@ def hand(chain: ChainState) -> Link:
     """The tilt sensor in the hand, and how it is held."""
     operator, tilt = chain.operator, chain.tilt
     if operator is None:
-        return Link(name="hand", standing="waits", text="no operator's program passes it on")
+        return Link(name="hand", status="waits", text="no operator's program passes it on")
     if tilt is None:
         return link_from("hand", "ok", operator, f"at the {operator.sample.operator}")
     sample, command = tilt.sample, operator.sample
@@ -91,7 +91,7 @@ def estop(chain: ChainState) -> Link:
     """Base's latch."""
     heard = chain.estop
     if heard is None:
-        return Link(name="e-stop", standing="waits", text="base, which keeps it, is not heard")
+        return Link(name="e-stop", status="waits", text="base, which keeps it, is not heard")
     state = heard.sample
     if not state.engaged:
         return link_from("e-stop", "ok", heard, "released")
@@ -103,7 +103,7 @@ def lease(chain: ChainState) -> Link:
     """Whom the guard obeys."""
     heard = chain.lease
     if heard is None:
-        return Link(name="lease", standing="waits", text="the guard, which gives it, is not heard")
+        return Link(name="lease", status="waits", text="the guard, which gives it, is not heard")
     state = heard.sample
     if chain.operator is not None and state.holder == chain.operator.sample.instance:
         return link_from("lease", "ok", heard, f"held by {state.operator}")
@@ -125,13 +125,13 @@ def ranger(chain: ChainState) -> Link:
     if not readings:
         is_alive, state = "ranger" in chain.observation.alive, chain.guard
         if state is None:
-            return Link(name="ranger", standing="waits", text="the guard, which knows the sensors, is not heard")
+            return Link(name="ranger", status="waits", text="the guard, which knows the sensors, is not heard")
         if not state.sample.of_type(ULTRASONIC) and (is_alive or not state.sample.sensors):
             return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
         if is_alive:
             return chain.silent("ranger", "ranger")
         how = "start it on the machine that the ranger board is plugged into"
-        return Link(name="ranger", standing="missing", text=f"giraff_ranger is not running, or hangs; {how}")
+        return Link(name="ranger", status="missing", text=f"giraff_ranger is not running, or hangs; {how}")
     newest = min(readings.values(), key=lambda heard: heard.age)
     known = set(readings if chain.guard is None else chain.guard.sample.of_type(ULTRASONIC))
     blind = dict.fromkeys(known - readings.keys(), "not heard; check giraff_ranger")
@@ -159,7 +159,7 @@ def guard(chain: ChainState) -> Link:
     if blocked := chain.blocked:
         text = chain.tell("guard", *(_judged(way, verdict) for way, verdict in blocked))
         return link_from("guard", "waits" if chain.broken("ranger") else "STOPS", heard, text)
-    limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.freedom in ("blocked", "creep")]
+    limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.clearance in ("blocked", "creep")]
     limits += [each.trouble.of(f"{name} is not trusted") for name, each in state.sensors.items() if each.trouble]
     if limits:
         return link_from("guard", "limits", heard, chain.tell("guard", *limits))
@@ -172,7 +172,7 @@ def board(chain: ChainState) -> Link:
     """The base board, as base sees it."""
     heard = chain.base
     if heard is None:
-        return Link(name="board", standing="waits", text="base, which talks to it, is not heard")
+        return Link(name="board", status="waits", text="base, which talks to it, is not heard")
     state, reason = heard.sample.board, heard.sample.reason
     if not state.connected:
         return link_from("board", "STOPS", heard, chain.tell("board", *(chain.observation.faults("base") or (reason,))))
@@ -191,8 +191,8 @@ def base(chain: ChainState) -> Link:
     untold = [each for each in chain.observation.faults("base") if not chain.is_told(each)]
     if not (untold := [each for each in untold if not chain.is_told(each.of("slowed"))]):
         return link
-    standing = "limits" if link.standing == "ok" else link.standing
-    return msgspec.structs.replace(link, standing=standing, text=f"{link.text}; {chain.tell('base', *untold)}")
+    status = "limits" if link.status == "ok" else link.status
+    return msgspec.structs.replace(link, status=status, text=f"{link.text}; {chain.tell('base', *untold)}")
 
 
 def _armed(chain: ChainState) -> Link:
@@ -207,7 +207,7 @@ def _armed(chain: ChainState) -> Link:
     excused = chain.broken("operator", "hand", "lease", "ranger", "guard", "e-stop", "board")
     reason = "see e-stop" if chain.broken("e-stop") else chain.tell_once("base", state.reason) or "not armed"
     # A base with a reason of its own forbids to move, whoever asks.
-    is_idle = chain.links["lease"].standing == "idle" and state.reason == IDLE
+    is_idle = chain.links["lease"].status == "idle" and state.reason == IDLE
     if is_idle and not state.armed and not excused:
         return link_from("base", "idle", heard, reason)
     if not state.armed or (state.reason and chain.wants_to_move and not state.driving):
@@ -224,8 +224,8 @@ def wheels(chain: ChainState) -> Link:
     heard = chain.observation.newest(WHEELS)
     if heard is None:
         if chain.broken("base", "board") or chain.base is None:
-            return Link(name="wheels", standing="waits", text="the base board, which counts them, is not heard")
-        return Link(name="wheels", standing="STOPS", text="base tells nothing of them; restart giraff_base")
+            return Link(name="wheels", status="waits", text="the base board, which counts them, is not heard")
+        return Link(name="wheels", status="STOPS", text="base tells nothing of them; restart giraff_base")
     state = heard.sample
     speeds = f"{state.left_velocity:z.2f} and {state.right_velocity:z.2f} m/s"
     counts = f"{state.left_pwm_counts} and {state.right_pwm_counts}"
@@ -235,7 +235,7 @@ def wheels(chain: ChainState) -> Link:
     return link_from("wheels", "ok" if attitude.sample.posture == "stands" else "waits", heard, text)
 
 
-def _judged(way: str, verdict: Verdict) -> Trouble:
+def _judged(way: str, verdict: DirectionLimit) -> Trouble:
     return verdict.reason.of(f"{way} {'blocked' if verdict.allowed == 0.0 else 'only creeps'}")
 
 

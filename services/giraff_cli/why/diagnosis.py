@@ -70,10 +70,10 @@ def _conclude(chain: tuple[Link, ...], broken: list[Link], drives: bool) -> str:
     if broken:
         first, *others = broken
         return f"{first.name}: {first.text}" + (f" (then: {', '.join(link.name for link in others)})" if others else "")
-    if idle := next((link for link in chain if link.standing == "idle"), None):
+    if idle := next((link for link in chain if link.status == "idle"), None):
         operator = next(link for link in chain if link.name == "operator")
-        return f"{idle.text}; {operator.text}" if operator.standing == "limits" else idle.text
-    limits = "; ".join(f"{link.name}: {link.text}" for link in chain if link.standing == "limits")
+        return f"{idle.text}; {operator.text}" if operator.status == "limits" else idle.text
+    limits = "; ".join(f"{link.name}: {link.text}" for link in chain if link.status == "limits")
     if drives:
         return "the robot drives" + (f", but {limits}" if limits else "")
     return "nothing stops the robot" + (f", but {limits}" if limits else ": it drives when the hand asks for it")

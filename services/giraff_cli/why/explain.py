@@ -13,7 +13,7 @@ from giraff_cli.network.command import print_error
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.page import print_table, print_trimmed
 from giraff_cli.terminal.text import json_page
-from giraff_cli.why.chain import Standing
+from giraff_cli.why.chain import LinkStatus
 from giraff_cli.why.diagnosis import Diagnosis, diagnose
 from giraff_cli.why.observation import Observation
 from giraff_node import robot_now_ns
@@ -35,7 +35,7 @@ _HANGS_AFTER: Final = 2.0  # s without an answer to that
 _JUDGED: Final = frozenset({BASE.name, GUARD.name, RANGER.name, *HANDS})
 """Services of the chain. No other one is waited for."""
 _MOST_ANSWERS: Final = 1000  # that are kept; on an open network anybody may answer
-_STYLES: Final[dict[Standing, str]] = {
+_STYLES: Final[dict[LinkStatus, str]] = {
     "ok": "green",
     "limits": "yellow",
     "idle": "cyan",
@@ -97,7 +97,7 @@ def _show(diagnosis: Diagnosis, unreadable: list[str]) -> None:
         [
             (
                 link.name,
-                Text(link.standing, style=_STYLES[link.standing]),
+                Text(link.status, style=_STYLES[link.status]),
                 Text("" if link.age is None else f"{link.age * 1000.0:.0f} ms", style="dim"),
                 link.text,
             )

@@ -12,7 +12,7 @@ import msgspec
 from giraff_core.io import Store, Writer
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import plain
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LATCH_FILE: Final = "estop.json"
 SEE_THAT_IT_MAY: Final = "see that the robot may move"
@@ -39,7 +39,7 @@ def is_confirmed_stop(answer: EStopAnswer) -> bool:
     return answer.done and answer.engaged
 
 
-RELEASED: Final = EStopLatch(engaged=False, id=0, by="", reason=WELL)
+RELEASED: Final = EStopLatch(engaged=False, id=0, by="", reason=NO_TROUBLE)
 
 
 def latch_bytes(latch: EStopLatch) -> bytes:

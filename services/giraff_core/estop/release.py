@@ -6,7 +6,7 @@ from typing import Final
 
 from giraff_core.estop.request import Request
 from giraff_schemas.messages import EStop, Sample
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _STATE_LASTS: Final = 1.5  # s that base's word of its stop is of now
 _GIVES_UP: Final = 2.0  # s; base takes no reset whose tick is older than a second
@@ -16,8 +16,8 @@ class EStopRelease:
     """Asks base until it answers. Times are monotonic, s."""
 
     def __init__(self) -> None:
-        self.outcome = WELL
-        """What the person who asked must know. WELL: nothing."""
+        self.outcome = NO_TROUBLE
+        """What the person who asked must know. NO_TROUBLE: nothing."""
         self._request: Request | None = None
         self._requested = 0.0
         self._states: dict[str, tuple[EStop, float]] = {}
@@ -45,7 +45,7 @@ class EStopRelease:
 
     def withdraw(self) -> None:
         """Ask no more."""
-        self._request, self.outcome = None, WELL
+        self._request, self.outcome = None, NO_TROUBLE
 
     def poll(self, now: float) -> bool:
         """Go on asking. Return whether base has answered just now."""
@@ -53,7 +53,7 @@ class EStopRelease:
             return False
         answer = self._request.poll(now)
         if answer is not None:
-            self.outcome = WELL if answer.done and not answer.engaged else answer.reason.of("STILL STOPPED")
+            self.outcome = NO_TROUBLE if answer.done and not answer.engaged else answer.reason.of("STILL STOPPED")
         elif now - self._requested > _GIVES_UP:
             fault = self._request.fault or "base does not answer"
             self.outcome = Trouble(f"RELEASE NOT CONFIRMED: {fault}", "ask again")

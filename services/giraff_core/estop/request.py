@@ -9,7 +9,7 @@ from giraff_core.estop.latch import is_confirmed_stop
 from giraff_schemas.messages import EStop, Sample
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import printable
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _NO_OFF: Final = "this robot's drive has no other off"
 BOARD_NOTE: Final = "; its board is not reached: it has stopped by itself"
@@ -119,9 +119,9 @@ class EStopRequest:
         is_open: bool,
     ) -> None:
         """`ask` begins to ask, for off or for a plain stop, until an answer settles it. `is_open`: of the network."""
-        self.outcome = WELL
+        self.outcome = NO_TROUBLE
         """What the person who asked must know."""
-        self.refused_off = WELL
+        self.refused_off = NO_TROUBLE
         """The same, where base has stopped the robot but has not switched it off, as it was asked."""
         self._off = False  # what the request asks for
         self._ask = ask
@@ -137,10 +137,10 @@ class EStopRequest:
     def engage(self, *, off: bool = False) -> None:
         """A stop is wished; `off`: and that it is off. That takes the place of a plain stop that is under way."""
         if self._request is None or (off and not self._off):
-            self._off, self.refused_off = off, WELL
+            self._off, self.refused_off = off, NO_TROUBLE
             self._confirmation = StopConfirmation()
             self._request = self._ask(self._confirmation.judge, off)
-            self._tell(self._request)
+            self._report(self._request)
 
     def poll(self, now: float) -> bool:
         """Go on asking; whether base has confirmed just now."""
@@ -156,7 +156,7 @@ class EStopRequest:
                 what = "OFF" if is_off else "STOPPED"
                 self.outcome = Trouble(f"{what}{word or ': base has confirmed'}{note}", action="release")
             return True
-        self._tell(self._request)
+        self._report(self._request)
         return False
 
     def on_sample(self, sample: Sample) -> None:
@@ -165,9 +165,9 @@ class EStopRequest:
             return
         self._confirmation.on_sample(sample)
         if not sample.engaged and not self.asked:
-            self.outcome = self.refused_off = WELL
+            self.outcome = self.refused_off = NO_TROUBLE
 
-    def _tell(self, request: Request) -> None:
+    def _report(self, request: Request) -> None:
         refusal = Trouble(request.fault) if request.refusal is None else request.refusal.reason.of("base answers")
         why = f": {refusal.what}" if refusal else ""
         what = f"{'SWITCHING OFF' if self._off else 'STOPPING'}, NOT CONFIRMED after {request.attempts} requests{why}"

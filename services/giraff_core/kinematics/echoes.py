@@ -8,7 +8,7 @@ from typing import Final
 
 from giraff_core.kinematics.frame_errors import FrameError
 from giraff_core.kinematics.pose import Pose
-from giraff_core.kinematics.way import Way
+from giraff_core.kinematics.pose_history import PoseHistory
 from giraff_schemas.messages import Odometry, Range
 from giraff_schemas.requests import EchoMap
 
@@ -26,8 +26,8 @@ class Echoes:
     def __init__(self, sensors: Mapping[str, tuple[float, float, float]]) -> None:
         """`sensors`: m, m, rad in `base_link`."""
         self._sensors = {name: Pose(*place) for name, place in sensors.items()}
-        self._way = Way()
-        self._origin: tuple[str, int] | None = None
+        self._history = PoseHistory()
+        self._segment: tuple[str, int] | None = None
         self._cells: dict[tuple[int, int], None] = {}
         """The cell that was heard last is at the end."""
 
@@ -39,16 +39,16 @@ class Echoes:
     def map(self, instance: str) -> EchoMap:
         """Return all cells. `instance`: random name of the odometry in whose frame they are."""
         columns, rows = tuple(x for x, _ in self._cells), tuple(y for _, y in self._cells)
-        _, jumps = self._origin or ("", 0)
+        _, jumps = self._segment or ("", 0)
         return EchoMap(instance=instance, jumps=jumps, cell=CELL, columns=columns, rows=rows)
 
-    def hear(self, odometry: Odometry) -> bool:
+    def on_odometry(self, odometry: Odometry) -> bool:
         """Take the robot's pose. True: all cells were forgotten."""
-        is_new = self._origin not in (None, odometry.origin)
+        is_new = self._segment not in (None, odometry.segment)
         if is_new:
-            self._way, self._cells = Way(), {}
-        self._origin = odometry.origin
-        self._way.hear(odometry)
+            self._history, self._cells = PoseHistory(), {}
+        self._segment = odometry.segment
+        self._history.on_odometry(odometry)
         return is_new
 
     def add(self, reading: Range) -> bool:
@@ -57,14 +57,14 @@ class Echoes:
         if sensor is None or reading.range is None or reading.tick is None:
             return False
         with suppress(FrameError):  # it is not known where the robot was
-            place = Pose(reading.range, 0.0, 0.0).placed_in(sensor).placed_in(self._way.at(reading.tick))
+            place = Pose(reading.range, 0.0, 0.0).placed_in(sensor).placed_in(self._history.at(reading.tick))
             if abs(place.x) < _FARTHEST and abs(place.y) < _FARTHEST:
                 return self._keep((round(place.x / CELL), round(place.y / CELL)))
         return False
 
     def join(self, earlier: EchoMap) -> bool:
         """Take cells that somebody else has kept. False: they are of another frame, or of cells of another size."""
-        if (earlier.instance, earlier.jumps) != self._origin or earlier.cell != CELL:
+        if (earlier.instance, earlier.jumps) != self._segment or earlier.cell != CELL:
             return False
         own, self._cells = self._cells, {}
         for cell in (*zip(earlier.columns, earlier.rows, strict=True), *own):

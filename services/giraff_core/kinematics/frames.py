@@ -9,8 +9,8 @@ from collections.abc import Iterable
 from typing import Final
 
 from giraff_core.kinematics.frame_errors import GapError, UnconnectedError, UnknownFrameError
+from giraff_core.kinematics.pose_history import PoseHistory
 from giraff_core.kinematics.rigid import HERE, Rigid, rigid
-from giraff_core.kinematics.way import Way
 from giraff_schemas.frames import BASE_FRAME, MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.messages import Odometry, RobotTime
 
@@ -26,9 +26,9 @@ class FrameTree:
 
     def __init__(self, told: Iterable[Transform] = ()) -> None:
         self._told = {transform.child: transform for transform in told}
-        self._way = Way()
+        self._history = PoseHistory()
 
-    def tell(self, transform: Transform) -> None:
+    def on_transform(self, transform: Transform) -> None:
         """Take where a frame is."""
         self._told[transform.child] = transform
 
@@ -36,21 +36,21 @@ class FrameTree:
         """Of a frame that is told of: nobody knows any more where it is."""
         self._told.pop(child, None)
 
-    def hear(self, odometry: Odometry) -> None:
+    def on_odometry(self, odometry: Odometry) -> None:
         """Take where the robot is, as it arrives."""
-        self._way.hear(odometry)
+        self._history.on_odometry(odometry)
 
     @property
     def frames(self) -> list[str]:
         """All that are known, by name."""
         edges = list(self._told.values())
-        moved = () if self._way.newest() is None else (BASE_FRAME, ODOM_FRAME)
+        moved = () if self._history.newest() is None else (BASE_FRAME, ODOM_FRAME)
         return sorted({*moved, *(edge.child for edge in edges), *(edge.parent for edge in edges)})
 
     def lookup(self, target: str, source: str, at: RobotTime | None = None) -> Transform:
         """The pose of `source` in `target` at that moment; None: the newest.
 
-        Raises UnknownFrameError, UnconnectedError, and, unless all between them is fixed, what `Way.at` raises.
+        Raises UnknownFrameError, UnconnectedError, and, unless all between them is fixed, what `PoseHistory.at` raises.
         """
         known = self.frames
         for frame in (target, source):
@@ -90,7 +90,7 @@ class FrameTree:
         return chain
 
     def _parent(self, frame: str) -> str | None:
-        if frame == BASE_FRAME and self._way.newest() is not None:
+        if frame == BASE_FRAME and self._history.newest() is not None:
             return ODOM_FRAME
         return self._told[frame].parent if frame in self._told else None
 
@@ -103,7 +103,7 @@ class FrameTree:
         return pose
 
     def _edge(self, frame: str, at: RobotTime | None = None) -> Transform:
-        newest = self._way.newest() if frame == BASE_FRAME else None
+        newest = self._history.newest() if frame == BASE_FRAME else None
         if newest is None:
             told = self._told[frame]
             # Where odom is in the map is how odometry's error of the whole way is corrected, not where anything went:
@@ -111,6 +111,6 @@ class FrameTree:
             if at is not None and not told.fixed and told.tick != at and frame != ODOM_FRAME:
                 raise GapError(f"where {frame} is in {told.parent} is known of one moment only, and not of that one")
             return told
-        pose = newest[0] if at is None else self._way.at(at)
+        pose = newest[0] if at is None else self._history.at(at)
         tick = at or newest[1]
         return Transform(parent=ODOM_FRAME, child=BASE_FRAME, x=pose.x, y=pose.y, yaw=pose.yaw, fixed=False, tick=tick)

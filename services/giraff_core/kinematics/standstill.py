@@ -30,7 +30,7 @@ class Standstill:
         """Whether the robot rests."""
         return self.seconds >= RESTS
 
-    def hear(self, wheels: Wheels) -> None:
+    def on_wheels(self, wheels: Wheels) -> None:
         """Take the next sample. A new start of the board or of base begins anew."""
         last = self._last
         if last is None or restart(last, wheels):

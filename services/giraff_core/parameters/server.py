@@ -14,7 +14,7 @@ from giraff_core.parameters.table import ConfigT, MistypedError, ParamError, Par
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.text import brief, plain
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 PARAMS_FOLDER: Final = "params"
 """Below the state directory: a file for each service that has saved something."""
@@ -39,9 +39,9 @@ class ParameterServer(Generic[ConfigT]):
         store: Store,
         log: Callable[..., None],
     ) -> None:
-        self.fault = WELL
+        self.fault = NO_TROUBLE
         """What of the saved parameters does not count."""
-        self.lost = WELL
+        self.lost = NO_TROUBLE
         """The same where no parameter has the name of a saved one: a limit that somebody tightened may be lost."""
         self.on_set: Callable[[ParamAnswer], object] = lambda _: None
         """Is told of each parameter that was set, before the service goes by it."""
@@ -63,11 +63,11 @@ class ParameterServer(Generic[ConfigT]):
         """Answer what has come. `reconfigure` takes what is in force from now on; None: nothing can be set."""
         if not (describes or sets or saves or self._writing):
             return
-        for asked in describes.take():
-            asked.answer(self._answer(WELL))
-        for to_set in sets.take():
+        for asked in describes.pop_all():
+            asked.answer(self._answer(NO_TROUBLE))
+        for to_set in sets.pop_all():
             to_set.answer(self._set(to_set.request, reconfigure))
-        self._waiting.extend(saves.take())
+        self._waiting.extend(saves.pop_all())
         if self._writing is not None and (why := self._writer.outcome()) is not None:
             (asked_to_save, kept), self._writing = self._writing, None
             asked_to_save.answer(self._saved(asked_to_save.request, kept, why))
@@ -83,7 +83,7 @@ class ParameterServer(Generic[ConfigT]):
             self._params.set(request.name, request.value)
         except ParamError as error:
             return self._answer(Trouble(str(error)), mistyped=isinstance(error, MistypedError))
-        answer = self._answer(WELL, request.name)
+        answer = self._answer(NO_TROUBLE, request.name)
         if self._params.config == before:
             return answer
         self.on_set(answer)
@@ -111,7 +111,7 @@ class ParameterServer(Generic[ConfigT]):
         return self._done(request, kept)
 
     def _done(self, request: ParamSave, kept: dict[str, Any]) -> ParamAnswer:
-        return self._answer(WELL, *(request.names or (*kept, *self._params.unsaved)))
+        return self._answer(NO_TROUBLE, *(request.names or (*kept, *self._params.unsaved)))
 
     def _restore(self, store: Store, name: str) -> None:
         try:
@@ -132,7 +132,7 @@ class ParameterServer(Generic[ConfigT]):
         if ignored:
             restart = f"save again, or remove the file, and restart giraff_{self._service}"
             self.fault = Trouble(f"{self._file}: {'; '.join(ignored)}", restart)
-            self.lost = self.fault if self._params.unknown else WELL
+            self.lost = self.fault if self._params.unknown else NO_TROUBLE
         else:
             self._on_disk = self._params.saved
 

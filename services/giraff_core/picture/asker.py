@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from giraff_schemas.camera import HOLD_ENDS, CameraHold, CameraState, Picture, PictureSize
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _LETS_GO: Final = 1.0
 """s after the last `want` that nobody looks any longer."""
@@ -76,14 +76,14 @@ class PictureAsker:
         return self._hold(now)
 
     def trouble(self, now: float) -> Trouble:
-        """Why there is no picture; WELL: one comes, or may."""
+        """Why there is no picture; NO_TROUBLE: one comes, or may."""
         if self._is_over:
             return _OVER
         if now - self._heard > HOLD_ENDS:
             if now - self._another_heard <= HOLD_ENDS:
                 return _RESTARTED
             if now - self._since <= _ANSWERS_WITHIN:
-                return WELL
+                return NO_TROUBLE
             return Trouble(
                 f"the camera {self._camera} is not heard", "check that giraff_camera runs and that both share a network"
             )

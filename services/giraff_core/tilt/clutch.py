@@ -6,7 +6,7 @@ import math
 from collections import deque
 from typing import Final, NamedTuple
 
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 Vector = tuple[float, float, float]
 
@@ -46,8 +46,8 @@ class Clutch:
         """Direction of gravity, as a unit vector, at which nothing is asked."""
         self.engaged = False
         """It is pressed: the hand moves freely."""
-        self.refusal = WELL
-        """Why the last attitude did not become the zero; WELL when it did."""
+        self.refusal = NO_TROUBLE
+        """Why the last attitude did not become the zero; NO_TROUBLE when it did."""
         self._words = words
         self._pressed = (0.0, 0.0)  # the first and the last reading of it
         self._released: float | None = None
@@ -57,7 +57,7 @@ class Clutch:
         """Readings were missing."""
         self._recent.clear()
 
-    def take(self, vector: Vector, at: float, *, pressed: bool) -> None:
+    def on_reading(self, vector: Vector, at: float, *, pressed: bool) -> None:
         """`vector`: m/s²."""
         self._recent.append(_Held(at, vector))
         while len(self._recent) > 1 and at - self._recent[1].at >= HELD - _EXACT:
@@ -76,7 +76,7 @@ class Clutch:
 
     def dismiss_refusal(self) -> None:
         """The hand has found the old zero again."""
-        self.refusal = WELL
+        self.refusal = NO_TROUBLE
 
     def relative(self, vector: Vector) -> Vector:
         """`vector` as if the zero were flat: turned by the smallest turn that makes it so."""
@@ -86,7 +86,7 @@ class Clutch:
         return x * zz - zx * z + zy * along, y * zz - zy * z - zx * along, z * zz + zx * x + zy * y
 
     def _let_go(self) -> None:
-        self.refusal = WELL
+        self.refusal = NO_TROUBLE
         act, thing, remedy = self._words
         recent = [held.vector for held in self._recent]
         if self._recent[-1].at - self._recent[0].at < HELD - _EXACT:

@@ -14,7 +14,7 @@ from collections import deque
 from typing import Final
 
 from giraff_core.tilt.clutch import Vector
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 FREE_FALL: Final = 3.0
 """m/s². Whatever is shorter is no gravity, and its direction no tilt."""
@@ -54,11 +54,11 @@ class Disturbance:
         """Readings were missing: what came before says nothing about what comes now."""
         self._compared: tuple[Vector, float] | None = None
         self._jolts: deque[bool] = deque(maxlen=SHAKE_STEPS)
-        self._alarm = WELL
+        self._alarm = NO_TROUBLE
         self._unsound = -math.inf
 
-    def judge(self, vector: Vector, at: float, also: Trouble = WELL) -> Trouble:
-        """Why this reading (m/s², at s of any one clock) is no hand's; WELL: it may be one.
+    def judge(self, vector: Vector, at: float, also: Trouble = NO_TROUBLE) -> Trouble:
+        """Why this reading (m/s², at s of any one clock) is no hand's; NO_TROUBLE: it may be one.
 
         `also`: another cause that lasts as these do.
         """
@@ -69,7 +69,7 @@ class Disturbance:
         elif jolted or abs(length - _GRAVITY) > _QUIET:
             self._unsound = at
         elif at - self._unsound >= SOUND - _EXACT:
-            self._alarm = WELL
+            self._alarm = NO_TROUBLE
         return self._alarm
 
     def _step(self, vector: Vector, at: float) -> bool:
@@ -86,4 +86,4 @@ class Disturbance:
     def _found(self, length: float) -> Trouble:
         if length < FREE_FALL:
             return falling(self._thing)
-        return shaken(self._thing) if sum(self._jolts) >= JOLTS else WELL
+        return shaken(self._thing) if sum(self._jolts) >= JOLTS else NO_TROUBLE

@@ -7,11 +7,11 @@ from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
 from giraff_guard.geometry import Point, View, until_touch
-from giraff_guard.limits import SIGN, Limits, Way
-from giraff_guard.motion import Motion
+from giraff_guard.limits import SIGN, DriveDirection, Limits
+from giraff_guard.motion import RecentTravel
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
-from giraff_schemas.messages import RobotTime, Verdict
+from giraff_schemas.messages import DirectionLimit, RobotTime
 from giraff_schemas.trouble import Trouble
 
 _MOST: Final = 128
@@ -40,47 +40,47 @@ class Heard(NamedTuple):
 
 
 class RecentObstacles:
-    """Spots where something was heard, for `held_time`.
+    """Spots where something was heard, for `silent_time`.
 
     Nothing else ends one. What is heard elsewhere does not say that it has gone, and neither does a farther echo from
     there: the robot may have moved, and heard it past its edge. Where the wheels' counters break off, the robot has
     stood, or nearly.
     """
 
-    def __init__(self, way: Way, limits: Limits) -> None:
+    def __init__(self, way: DriveDirection, limits: Limits) -> None:
         self._sign = SIGN[way]
         self._limits = limits
         self._spots: list[_Spot] = []
 
-    def take(self, sensor: Sensor, ping: Ping, *, is_sure: bool) -> None:
+    def add(self, sensor: Sensor, ping: Ping, *, is_sure: bool) -> None:
         """An echo that its sensor has heard twice. `is_sure`: at one ping and the next."""
         config = self._limits.config
-        if ping.distance > config.held_range:
+        if ping.distance > config.silent_range:
             return
         view, half_cone = View(sensor.pose, ping.place), sensor.half_cone
         points = tuple(view.point(ping.distance, off) for off in (0.0, -half_cone, half_cone))
-        near = config.agreement
+        near = config.range_tolerance
         kept = [spot for spot in self._spots if spot.is_sure > is_sure or math.dist(spot.points[0], points[0]) >= near]
         self._spots = [*kept[1 - _MOST :], _Spot(points, sensor.name, ping.robot_ns, is_sure)]
 
     def forget(self, robot_ns: int) -> None:
         """Drop what is too old."""
-        oldest_ns = robot_ns - round(self._limits.config.held_time * 1e9)
+        oldest_ns = robot_ns - round(self._limits.config.silent_time * 1e9)
         self._spots = [spot for spot in self._spots if spot.robot_ns >= oldest_ns]
 
-    def verdicts(self, silent: list[Sensor], motion: Motion, now: RobotTime) -> list[Verdict]:
+    def verdicts(self, silent: list[Sensor], motion: RecentTravel, now: RobotTime) -> list[DirectionLimit]:
         """Towards where something was heard until lately: what hears nothing there now may have gone deaf.
 
         It blocks for a moment, and says so; then it may be approached as slowly as what no sensor has proved.
         """
         limits, config, names = self._limits, self._limits.config, " and ".join(sensor.name for sensor in silent)
-        slow = config.unproved_linear
+        slow = config.untrusted_speed
         verdicts = []
         if heard := self.ahead(motion.place):
             room, speed = heard.distance - config.margin, motion.speed(self._sign)
             reason = Trouble(f"{names}: silent where {heard.sensor} heard something until lately")
             if limits.stops_within(speed) > room and (
-                speed > _STUTTER * slow or min(sensor.quiet(now) for sensor in silent) < config.held_block
+                speed > _STUTTER * slow or min(sensor.silence_s(now) for sensor in silent) < config.silent_block
             ):
                 verdicts.append(limits.block(silent[0].name, reason))
             else:
@@ -93,7 +93,7 @@ class RecentObstacles:
 
     def ahead(self, place: Pose) -> Heard | None:
         """What a footprint that drives straight on meets first."""
-        return self._first(self._spots, place, self._limits.config.held_radius, 0.0)
+        return self._first(self._spots, place, self._limits.config.silent_radius, 0.0)
 
     def beside(self, place: Pose) -> Heard | None:
         """What it comes to, or is, close beside: the surface goes on there, and one driven along may be grazed.
@@ -101,7 +101,7 @@ class RecentObstacles:
         Only what is sure: a slanted wall that answers now and then, far beside the way, would slow at every turn.
         """
         sure = [spot for spot in self._spots if spot.is_sure]
-        return self._first(sure, place, self._limits.config.held_beside, self._limits.footprint_radius)
+        return self._first(sure, place, self._limits.config.silent_beside, self._limits.footprint_radius)
 
     def _first(self, spots: list[_Spot], place: Pose, margin: float, behind: float) -> Heard | None:
         """What the footprint and `margin` m around it meet first, or cover from `behind` m behind its middle on."""

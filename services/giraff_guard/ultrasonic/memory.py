@@ -10,10 +10,10 @@ import msgspec
 
 from giraff_core.kinematics.pose import Pose
 from giraff_guard.geometry import Point, View, until_touch
-from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.limits import SIGN, DriveDirection, Limits
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
-from giraff_schemas.messages import Verdict
+from giraff_schemas.messages import DirectionLimit
 from giraff_schemas.trouble import Trouble
 
 _MOST: Final = 64
@@ -59,7 +59,7 @@ class Echoes:
     def clear(self) -> None:
         self._echoes.clear()
 
-    def take(self, sensor: Sensor, ping: Ping, travel: float) -> None:
+    def on_ping(self, sensor: Sensor, ping: Ping, travel: float) -> None:
         """A reading; `travel`: m the robot has come since the beginning.
 
         An echo is remembered, and counts once two more came from the same place.
@@ -68,7 +68,7 @@ class Echoes:
         view = View(sensor.pose, ping.place)
         config, half_cone = self._limits.config, sensor.half_cone
         for echo in self._echoes:
-            if all(view.holds(x, y, 1.02 * half_cone, ping.distance - config.agreement) for x, y in echo.ends):
+            if all(view.holds(x, y, 1.02 * half_cone, ping.distance - config.range_tolerance) for x, y in echo.ends):
                 echo.contradicted += 1
         self._echoes = [echo for echo in self._echoes if echo.contradicted < 2][-_MOST:]
         if not ping.echo or ping.distance > config.memory_range:
@@ -77,7 +77,7 @@ class Echoes:
         ends = (view.point(ping.distance, -half_cone), view.point(ping.distance, half_cone))
         seen = 1
         for echo in self._echoes:
-            if echo.sensor == sensor.name and math.hypot(echo.x - x, echo.y - y) < config.agreement:
+            if echo.sensor == sensor.name and math.hypot(echo.x - x, echo.y - y) < config.range_tolerance:
                 seen = echo.seen + 1
                 self._echoes.remove(echo)
                 break
@@ -94,7 +94,7 @@ class Echoes:
             and travel - echo.travel <= self._limits.config.memory_travel
         ]
 
-    def verdicts(self, place: Pose, way: Way, robot_ns: int) -> list[Verdict]:
+    def verdicts(self, place: Pose, way: DriveDirection, robot_ns: int) -> list[DirectionLimit]:
         """The verdict of what limits most, straight on; empty: nothing does."""
         obstruction = min(self.in_the_way(place, way, robot_ns), key=self.speed_towards, default=None)
         if obstruction is None:
@@ -102,11 +102,11 @@ class Echoes:
         limits, allowed = self._limits, self.speed_towards(obstruction)
         side = "left" if obstruction.bearing > 0.0 else "right"
         reason = Trouble(f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now")
-        if allowed < limits.config.slowest:
+        if allowed < limits.config.min_speed:
             return [limits.block(obstruction.sensor, reason)]
         return [limits.allow(allowed, obstruction.sensor, reason)]
 
-    def curve(self, place: Pose, way: Way, robot_ns: int, curvature: float) -> tuple[float, Trouble] | None:
+    def curve(self, place: Pose, way: DriveDirection, robot_ns: int, curvature: float) -> tuple[float, Trouble] | None:
         """m/s at which a curve may be driven, and why; None: it meets nothing."""
         swept = self.in_the_way(place, way, robot_ns, curvature)
         obstruction = min(swept, key=self.speed_towards, default=None)
@@ -125,9 +125,11 @@ class Echoes:
         config = self._limits.config
         room = obstruction.distance - max(0.0, config.margin - config.memory_margin)
         allowed = self._limits.fastest(room)
-        return max(allowed, config.unproved_linear) if obstruction.is_old else allowed
+        return max(allowed, config.untrusted_speed) if obstruction.is_old else allowed
 
-    def in_the_way(self, place: Pose, way: Way, robot_ns: int, curvature: float = 0.0) -> Iterator[Obstruction]:
+    def in_the_way(
+        self, place: Pose, way: DriveDirection, robot_ns: int, curvature: float = 0.0
+    ) -> Iterator[Obstruction]:
         """What a footprint driving this way meets.
 
         `curvature`: angular_z / linear_x, 1/m: the arc's centre lies 1/curvature to the left, whichever way it goes.

@@ -12,12 +12,12 @@ from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_core.sensors import HC_SR04, UltrasonicModel
 from giraff_guard.config import GuardConfig
-from giraff_guard.motion import LEVEL, Lean, Motion
+from giraff_guard.motion import LEVEL, Lean, RecentTravel
 from giraff_guard.ultrasonic.level import floor_from, level_distance
 from giraff_guard.ultrasonic.self_test import SelfTest
 from giraff_guard.ultrasonic.silence_trust import OwnEchoes, Ping, SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _KEPT: Final = 4
 """Readings: what was heard the time before last is not alone when it is heard again."""
@@ -41,9 +41,9 @@ class Sensor:
         self._own = OwnEchoes(pose.yaw)
         self.heard: Ping | None = None
         """The last echo that follows from one of those kept before it: both are of one surface."""
-        self.surest: Ping | None = None
+        self.last_confirmed: Ping | None = None
         """The last one that follows from an echo just before it."""
-        self._unlevelled = WELL
+        self._unlevelled = NO_TROUBLE
         """Why the newest reading could not be levelled."""
         self._lost: tuple[Pose, float] | None = None  # where the robot was when a touching echo was lost, m
         self._self_test = SelfTest(live)
@@ -73,7 +73,7 @@ class Sensor:
         """The newest good reading, if none but a good one came since."""
         return self._pings[-1] if self._pings else None
 
-    def on_range(self, reading: Range, motion: Motion, now: RobotTime) -> None:
+    def on_range(self, reading: Range, motion: RecentTravel, now: RobotTime) -> None:
         """Take a reading."""
         config = self._live.config
         self._reading = reading
@@ -103,7 +103,7 @@ class Sensor:
         if motion.heard:
             pulse = reading.echo_us if ping.echo else None
             self._self_test.on_reading(pulse, ping.place, self.pose.yaw, both_echoes and not follows)
-        own = self._own.take(ping) and motion.heard
+        own = self._own.on_ping(ping) and motion.heard
         *earlier, _ = self._pings
         twice = ping.echo and any(each.echo and self._follows(each, ping) for each in earlier)
         if twice or own:
@@ -111,7 +111,7 @@ class Sensor:
         if twice:
             self.heard = ping
         if both_echoes and follows:
-            self.surest = ping
+            self.last_confirmed = ping
 
     def blindness(self, now: RobotTime) -> Trouble:
         """Why the sensor does not count at all."""
@@ -132,36 +132,36 @@ class Sensor:
             )
         if len(self._pings) < 2:
             return Trouble(f"{self.name} has been heard only once since it was silent", "wait for its next reading")
-        return WELL
+        return NO_TROUBLE
 
-    def doubt(self, motion: Motion, now: RobotTime) -> Trouble:
+    def distrust(self, motion: RecentTravel, now: RobotTime) -> Trouble:
         """Why its silence is worth less than an echo."""
         if self._self_test.wild:
             return Trouble(f"{self.name} jumps as no surface does", "face a wall squarely, else check the sensor")
-        if self._trust.doubt(motion, now) > 0.0:
+        if self._trust.distrust(motion, now) > 0.0:
             return Trouble(
                 f"{self.name} has not proved lately that it hears",
                 f"face a wall within {self.reach:g} m",
             )
-        return WELL
+        return NO_TROUBLE
 
-    def worth(self, motion: Motion, now: RobotTime, most: float) -> float:
+    def allowed_speed(self, motion: RecentTravel, now: RobotTime, most: float) -> float:
         """m/s that its silence allows, `most` where it is not in doubt."""
         if self._self_test.wild:
             return self._live.config.creep_linear
-        least = min(most, self._live.config.unproved_linear)
-        return most - self._trust.doubt(motion, now) * (most - least)
+        least = min(most, self._live.config.untrusted_speed)
+        return most - self._trust.distrust(motion, now) * (most - least)
 
     @property
     def is_silent(self) -> bool:
         """Whether it hears nothing now: no echo among the readings that count."""
         return not any(ping.echo for ping in list(self._pings)[-2:])
 
-    def quiet(self, now: RobotTime) -> float:
+    def silence_s(self, now: RobotTime) -> float:
         """s since its last surest echo; infinite before the first."""
-        return math.inf if self.surest is None else (now.robot_ns - self.surest.robot_ns) * 1e-9
+        return math.inf if self.last_confirmed is None else (now.robot_ns - self.last_confirmed.robot_ns) * 1e-9
 
-    def lost(self, motion: Motion) -> bool:
+    def lost(self, motion: RecentTravel) -> bool:
         """Whether an echo was lost so near that what gave it may touch the sensor.
 
         Over when the robot has moved away from it, or has turned away.
@@ -170,11 +170,11 @@ class Sensor:
             return False
         config, (place, distance) = self._live.config, self._lost
         away = distance - place.ahead(motion.place, self.pose.yaw)
-        if away >= 2.0 * config.near or abs(motion.place.yaw - place.yaw) >= 4.0 * self.half_cone:
+        if away >= 2.0 * config.touch_distance or abs(motion.place.yaw - place.yaw) >= 4.0 * self.half_cone:
             self._lost = None
         return self._lost is not None
 
-    def believed(self, others: list[Sensor]) -> list[Ping]:
+    def counted(self, others: list[Sensor]) -> list[Ping]:
         """The readings that count, newest first. `others`: the sensors that look the same way.
 
         The last two, so that one long reading never hides what the one before has heard; but not one that stands
@@ -191,7 +191,7 @@ class Sensor:
             return Trouble(f"{self.name} looks along a body whose lean is not known", "check giraff_base and its board")
         if lean is not LEVEL and self.pose.z <= 0.0:
             return Trouble(f"{self.name} is on a body that leans, and its height is not known", "set its z")
-        return WELL
+        return NO_TROUBLE
 
     def _levelled(self, reading: Range, lean: Lean) -> tuple[float, bool]:
         """Return m of level way ahead of the sensor's place on an upright robot, and whether something echoed there.
@@ -218,7 +218,7 @@ class Sensor:
         if witness is None or witness.robot_ns < ping.robot_ns:
             return False
         here, there = self.offset + ping.distance, other.offset + witness.distance
-        return there > here + self._live.config.agreement + self._walked(ping, witness)
+        return there > here + self._live.config.range_tolerance + self._walked(ping, witness)
 
     def _note_loss(self, ping: Ping) -> None:
         """Before `ping` is taken: whether it loses an echo that was sure and nearly touched."""
@@ -226,9 +226,9 @@ class Sensor:
             return
         before, last = self._pings[-2], self._pings[-1]
         sure = before.echo and last.echo and self._compare(before, last, walk=False) == 0
-        if sure and last.distance < self._live.config.near and self._compare(last, ping) > 0:
+        if sure and last.distance < self._live.config.touch_distance and self._compare(last, ping) > 0:
             self._lost = (last.place, last.distance)
-        elif ping.echo and ping.distance < self._live.config.near:
+        elif ping.echo and ping.distance < self._live.config.touch_distance:
             self._lost = None  # it is there again
 
     def _follows(self, one: Ping, other: Ping) -> bool:
@@ -246,7 +246,7 @@ class Sensor:
         """
         expected = one.distance - one.place.ahead(other.place, self.pose.yaw)
         turned = one.distance * abs(other.place.yaw - one.place.yaw)
-        slack = self._live.config.agreement + turned + (self._walked(one, other) if walk else 0.0)
+        slack = self._live.config.range_tolerance + turned + (self._walked(one, other) if walk else 0.0)
         if other.distance > expected + slack:
             return 1
         return -1 if other.distance < expected - slack else 0

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
-from giraff_guard.motion import Motion
+from giraff_guard.motion import RecentTravel
 from giraff_schemas.messages import RobotTime
 
 _KEPT: Final = 16
@@ -62,22 +62,22 @@ class SilenceTrust:
         self._own_travel = 0.0
         """m that the robot had come when the sensor's own echoes were told from others' last."""
 
-    def prove(self, robot_ns: int, motion: Motion, *, own: bool) -> None:
+    def prove(self, robot_ns: int, motion: RecentTravel, *, own: bool) -> None:
         """It heard one surface twice, the last time at `robot_ns`. `own`: by its own pings, as far as can be told."""
         if own:
             self._own_travel = motion.travel
         self._proof = _Proof(robot_ns, motion.travel, motion.turned)
 
-    def doubt(self, motion: Motion, now: RobotTime) -> float:
-        """How little its silence is worth by now: 0 as much as an echo, 1 no more than `unproved_linear`."""
+    def distrust(self, motion: RecentTravel, now: RobotTime) -> float:
+        """How little its silence is worth by now: 0 as much as an echo, 1 no more than `untrusted_speed`."""
         config, proof = self._live.config, self._proof
         if proof is None:
             return 1.0
-        silent = motion.travel - proof.travel + config.proof_turn * (motion.turned - proof.turned)
+        silent = motion.travel - proof.travel + config.trust_full_turn * (motion.turned - proof.turned)
         way = max(silent, motion.travel - self._own_travel)
-        by_way = (way - config.proof_travel) / (config.fade_travel - config.proof_travel)
+        by_way = (way - config.trust_full_travel) / (config.trust_end_travel - config.trust_full_travel)
         since = (now.robot_ns - proof.robot_ns) * 1e-9
-        by_time = (since - config.proof_time) / (config.fade_time - config.proof_time)
+        by_time = (since - config.trust_full_time) / (config.trust_end_time - config.trust_full_time)
         return min(1.0, max(0.0, by_way, by_time))
 
 
@@ -89,7 +89,7 @@ class OwnEchoes:
         self._axis = axis
         self._kept: deque[Ping] = deque(maxlen=_KEPT)
 
-    def take(self, ping: Ping) -> bool:
+    def on_ping(self, ping: Ping) -> bool:
         """Return whether a reading and those before it can only be echoes of the sensor's own pings, but by chance.
 
         A robot that rests learns nothing. A person's walk explains nothing here: a ping that drifts looks like one.

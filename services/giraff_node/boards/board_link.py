@@ -8,7 +8,7 @@ from typing import Final
 from giraff_node.boards.serial_link import SerialLink
 from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 
 HELLO_PERIOD = 0.25  # s between two requests while none was answered
@@ -46,9 +46,9 @@ class BoardLink:
         self._heard = 0.0
         self._strange = 0  # bytes since the last frame, or since the port was opened
         self._next_request = 0.0
-        self.mismatch = WELL
+        self.mismatch = NO_TROUBLE
         """Why the board that answers is not the right one."""
-        self._silence = WELL  # why the port was closed last, until a board answers
+        self._silence = NO_TROUBLE  # why the port was closed last, until a board answers
         self._reporting = False  # the board has said more than hello since the port was opened
 
     def descriptor(self) -> int | None:
@@ -66,7 +66,7 @@ class BoardLink:
 
     @property
     def fault(self) -> Trouble:
-        """Why there are no frames; WELL when there may be."""
+        """Why there are no frames; NO_TROUBLE when there may be."""
         if self._reporting:
             return self._serial.fault or self.mismatch
         waits = Trouble(f"{self._serial.path}: no reports from a {_role(self.board.number)} board yet")
@@ -98,7 +98,7 @@ class BoardLink:
             self._frames = []
             self._decoder = Decoder(self.board.frames)
             self.hello = None
-            self.mismatch = WELL  # another board may be there now
+            self.mismatch = NO_TROUBLE  # another board may be there now
             self._reporting = False
             self._heard = now
             self._next_request = now
@@ -110,7 +110,7 @@ class BoardLink:
         self._strange += len(data)
         if arrived:
             self._heard, self._strange = now, 0
-            self._silence = WELL
+            self._silence = NO_TROUBLE
         frames = [frame for frame in arrived if self._accept(frame)]
         if self._serial.descriptor() is not None:
             if now - self._heard > SILENCE:
@@ -170,7 +170,7 @@ class BoardLink:
                 f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {ours:08x}",
                 f"reflash it: {self.board.flash_command(path)}",
             )
-        return WELL
+        return NO_TROUBLE
 
 
 def _role(number: int) -> str:

@@ -10,7 +10,7 @@ from typing import Final
 
 import serial
 
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 REOPEN_PERIOD = 0.1  # s between two attempts
 NO_PORT: Final = Trouble("no such port", "plug the board in, or correct `port` in the robot file")
@@ -37,7 +37,7 @@ class SerialLink:
         self.path = path
         self.baud = baud
         self.fault = Trouble(f"{path}: not opened yet")
-        """Why the port is closed; WELL while it is open."""
+        """Why the port is closed; NO_TROUBLE while it is open."""
         self.opened = 0
         """How often the port was opened: a change means that whatever was under way is lost."""
         self._port: serial.Serial | None = None
@@ -62,7 +62,7 @@ class SerialLink:
         except (serial.SerialException, OSError, ValueError, termios.error) as error:
             self.close(_explain(self.path, error))
             return False
-        self.fault = WELL
+        self.fault = NO_TROUBLE
         self.opened += 1
         return True
 

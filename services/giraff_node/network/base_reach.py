@@ -71,12 +71,12 @@ class WrongRobotCheck:
         """Return the robots that are there in its place, once; `now`: monotonic, s. It never waits."""
         self._begins = now if self._begins is None else self._begins
         if self._thread is None and now >= self._begins + _ALONE_AFTER:
-            self._thread = threading.Thread(target=self._look, name="robots", daemon=True)
+            self._thread = threading.Thread(target=self._check, name="robots", daemon=True)
             self._thread.start()
         found, self._others = self._others, ()
         return found
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         found: set[str] = set()
         with contextlib.suppress(NobodyError, ConfigError, zenoh.ZError):  # also where the service ends meanwhile
             for token in find_tokens(self._session, alive_key(self._robot), _ANSWERS_WITHIN):

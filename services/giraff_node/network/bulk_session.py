@@ -18,7 +18,7 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import NobodyError, close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import SampleT, Topic, key_of
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _AGAIN: Final = 2.0  # s until a door that did not answer is tried again
 
@@ -27,7 +27,7 @@ class BulkSession:
     """It is opened by a thread, which waits for the door."""
 
     def __init__(self, network: NetworkConfig, robot: str, tell: Callable[[Trouble], None]) -> None:
-        """`tell`: takes why nothing can be sent, and WELL once it can; in that thread."""
+        """`tell`: takes why nothing can be sent, and NO_TROUBLE once it can; in that thread."""
         self._network, self._robot, self._tell = network, robot, tell
         self.session: zenoh.Session | None = None
         """None: it is not open yet."""
@@ -51,7 +51,7 @@ class BulkSession:
                 self._tell(Trouble(f"no door of the robot answers: {error}", "start giraff_door on the robot"))
                 self._closed.wait(_AGAIN)
                 continue
-            self._tell(WELL)
+            self._tell(NO_TROUBLE)
             return
 
 

@@ -18,25 +18,25 @@ class NoRobotError(Exception):
     """No robot can be told. The message says why, and the way out."""
 
 
-def pick(robots: Sequence[str], host_of: Callable[[str], str], *, asks: bool) -> str:
+def ask_which(robots: Sequence[str], host_of: Callable[[str], str], *, asks: bool) -> str:
     """One of these by its number, where there `asks` anybody. `host_of`: a robot. Raises NoRobotError."""
     several = f"several robots are on the network; name one: {options(robots)} (or GIRAFF_ROBOT_NAME)"
     if not (asks and _is_terminal()) or len(robots) > _MOST_LISTED:
         raise NoRobotError(several)
     for number, name in enumerate(robots, 1):
-        tell(f"{number}  {_placed(name, host_of(name))}")
+        print_notice(f"{number}  {_placed(name, host_of(name))}")
     answer = _ask("which one? Type its number: ")
     if answer not in {str(number) for number in range(1, len(robots) + 1)}:
         raise NoRobotError(several)
     return robots[int(answer) - 1]
 
 
-def agree(robot: str, host: str, line: str) -> None:
+def confirm(robot: str, host: str, line: str) -> None:
     """A typed yes to a robot that is not this host's simulation, and that nobody has named. Raises NoRobotError."""
     whose = f"{_placed(robot, host)}, is not the simulation of this host, and nobody has named it"
     if not _is_terminal():
         raise NoRobotError(f"{whose}; if it is meant: {line}")
-    tell(whose)
+    print_notice(whose)
     if _ask(f"type yes if {robot} is meant: ").lower() != "yes":
         raise NoRobotError(f"nothing was done; if {robot} is meant: {line}")
 
@@ -49,7 +49,7 @@ def options(names: Sequence[str]) -> str:
     return listed + (f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else "")
 
 
-def tell(text: str) -> None:
+def print_notice(text: str) -> None:
     """Print to standard error. A closed output ends no command, least of all a stop."""
     with contextlib.suppress(OSError):
         print(printable(f"giraff: {text}") + "\n", end="", file=sys.stderr, flush=True)  # two threads may tell

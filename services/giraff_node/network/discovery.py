@@ -19,8 +19,8 @@ import msgspec
 import zenoh
 
 from giraff_core.network import NetworkConfig
-from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings, expects_robot_file, read
+from giraff_node.config.typos import find_misplaced
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.replies import gather_answers
@@ -166,7 +166,7 @@ class Choice(NamedTuple):
     """What a person should know of it."""
 
 
-def choose(found: Sequence[str], filed: str) -> Choice:
+def robot_for(found: Sequence[str], filed: str) -> Choice:
     """Of these, at least one, that are there: the one of the folder's robot file, else the only one."""
     if filed in found:
         return Choice(filed)
@@ -187,7 +187,7 @@ def stand_in(session: zenoh.Session, way: Target) -> str:
         if way.robot in found or simulated not in found:
             return way.robot
         time.sleep(wait)
-    consent.tell(f"{way.robot}, which {way.named_by} names, is not heard; this is {simulated}")
+    consent.print_notice(f"{way.robot}, which {way.named_by} names, is not heard; this is {simulated}")
     return simulated
 
 
@@ -203,15 +203,15 @@ def find_robot(session: zenoh.Session, filed: str, patience: float, *, at_door: 
             raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {how_to_reach()}{named}")
         time.sleep(_ASK_AGAIN)
     time.sleep(_AT_A_DOOR if at_door else _SETTLED)
-    return settle(session, sorted({*found, *list_robots(session)}), filed)
+    return select_robot(session, sorted({*found, *list_robots(session)}), filed)
 
 
-def settle(session: zenoh.Session, found: Sequence[str], filed: str, *, asks: bool = True) -> str:
+def select_robot(session: zenoh.Session, found: Sequence[str], filed: str, *, asks: bool = True) -> str:
     """Which of these, at least one, that are there. Raises NoRobotError. `asks`: a person at a terminal."""
-    robot, remark = choose(found, filed)
+    robot, remark = robot_for(found, filed)
     if remark:
-        consent.tell(f"{remark}; this is {robot}" if robot else remark)
-    return robot or consent.pick(found, lambda name: host_of(session, name), asks=asks)
+        consent.print_notice(f"{remark}; this is {robot}" if robot else remark)
+    return robot or consent.ask_which(found, lambda name: host_of(session, name), asks=asks)
 
 
 def require_consent(session: zenoh.Session, robot: str, line: str) -> None:
@@ -220,7 +220,7 @@ def require_consent(session: zenoh.Session, robot: str, line: str) -> None:
     `line`: what a person types to name it. Only the simulation of this very host starts by itself.
     """
     if not is_simulated_here(robot):
-        consent.agree(robot, host_of(session, robot), line)
+        consent.confirm(robot, host_of(session, robot), line)
 
 
 def host_of(session: zenoh.Session, robot: str) -> str:

@@ -31,7 +31,7 @@ def open_hand(network: NetworkConfig, robot: str, door: zenoh.Session) -> zenoh.
     while not _is_heard(hand, robot):
         if time.monotonic() >= until and _is_heard(door, robot):
             close_session(hand)
-            consent.tell(
+            consent.print_notice(
                 "this host cannot be dialled (a firewall?): all goes through the robot's door, "
                 "and is silent for 3 s where that is started again"
             )

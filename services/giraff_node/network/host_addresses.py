@@ -13,7 +13,7 @@ import socket
 import struct
 from typing import Final
 
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _GET_FLAGS: Final = 0x8913  # linux/sockios.h, SIOCGIFFLAGS
 _GET_ADDRESS: Final = 0x8915  # SIOCGIFADDR
@@ -42,7 +42,7 @@ def loopback_fault() -> Trouble:
     """Return why processes of this host cannot meet at its own address. A container's fresh network begins so."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
         is_up = asked.connect_ex(("127.0.0.1", 9)) == 0  # sends nothing
-    return WELL if is_up else Trouble("this host's loopback is down", "type: sudo ip link set lo up")
+    return NO_TROUBLE if is_up else Trouble("this host's loopback is down", "type: sudo ip link set lo up")
 
 
 def _found() -> list[tuple[str, str]]:

@@ -12,7 +12,7 @@ from typing import Annotated, Final
 import msgspec
 
 from giraff_schemas.text import plain
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 CA_CERTIFICATE: Final = "ca.pem"
 HOST_CERTIFICATE: Final = "host.pem"
@@ -45,7 +45,7 @@ class ExpiryWatch:
 
     def __init__(self, folder: Path) -> None:
         self._bundle: KeyBundle | None = None
-        self._why_not = WELL
+        self._why_not = NO_TROUBLE
         try:
             self._bundle = read_bundle(folder)  # once: Zenoh, too, has its keys from the start
         except BundleError as error:
@@ -60,7 +60,7 @@ class ExpiryWatch:
             early = f"the keys of {name} are not valid yet: this machine's clock says {now:%Y-%m-%d %H:%M} UTC"
             return Trouble(early, "set it")
         if left >= EXPIRES_SOON:
-            return WELL
+            return NO_TROUBLE
         when = (
             f"expire on {self._bundle.expires:%Y-%m-%d}" if left > timedelta() else "have expired, no link comes about"
         )

@@ -71,7 +71,7 @@ class LostPeers:
         self._spent: dict[str, float] = {}
         """Host -> s at which it may have all its visits again."""
 
-    def look(self, now: float, links: Mapping[str, Endpoint]) -> list[str] | None:
+    def update(self, now: float, links: Mapping[str, Endpoint]) -> list[str] | None:
         """Return the locators that a visit dials, or None when none is due. `links`: by id of the peer; `now`: s.
 
         Of this process's own host only who is inside is missed: others come and go, and need nobody.
@@ -117,7 +117,7 @@ class LinkRepair:
         self._seen: object = None  # links and descriptors at the last look
         self._sets_until = 0.0
 
-    def look(self, now: float) -> None:
+    def update(self, now: float) -> None:
         """In each turn; `now`: monotonic, s."""
         if now < self._next:
             return
@@ -128,7 +128,7 @@ class LinkRepair:
             self._on_impostor(peer)
         if self._visits is None:
             return
-        dials = self._lost_peers.look(now, endpoints_of(found))
+        dials = self._lost_peers.update(now, endpoints_of(found))
         if dials is not None and (self._under_way is None or not self._under_way.is_alive()):
             whom = (self._network, self._robot, self._visits, dials)
             self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _LOOK: Final = 1.0  # s between looks
 _PATIENCE: Final = 5.0  # s; a router that is started again is back sooner
@@ -33,4 +33,4 @@ class RouterLink:
             if self._linked():
                 self._seen = now
             self._missed = now - self._seen > _PATIENCE
-        return self._problem if self._missed else WELL
+        return self._problem if self._missed else NO_TROUBLE

@@ -11,7 +11,7 @@ import zenoh
 from giraff_core.inbox import Inbox
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import SampleT, Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 MOST: Final = 20
 """Keys of one subscription that are named; whoever invents more of them fills neither memory nor log."""
@@ -47,8 +47,8 @@ class DecodeErrors:
         """A payload on `key` was read."""
         if key in self._last and now - self._last[key] > MENDED_AFTER:
             del self._last[key]
-            self._tell(f"decode {key}", WELL)
-            self._tell(f"decode more of {self._pattern}", WELL)
+            self._tell(f"decode {key}", NO_TROUBLE)
+            self._tell(f"decode more of {self._pattern}", NO_TROUBLE)
 
 
 _WAITING: Final = 300
@@ -92,9 +92,9 @@ class PolledInbox(Inbox[SampleT]):
         self._fill()
         return super().__len__()
 
-    def take(self) -> Iterator[SampleT]:
+    def pop_all(self) -> Iterator[SampleT]:
         self._fill()
-        return super().take()
+        return super().pop_all()
 
     def _fill(self) -> None:
         if self.subscriber is None:

@@ -31,8 +31,8 @@ class Token(NamedTuple):
     instance: str
 
 
-def read_token(key: str, tell: Callable[[str], object] = consent.tell) -> Token | None:
-    """Return the names in a token. None: one of them cannot be part of a key; `tell` says so, once a key."""
+def read_token(key: str, tell: Callable[[str], object] = consent.print_notice) -> Token | None:
+    """Return the names in a token. None: one of them cannot be part of a key; `print_notice` says so, once a key."""
     chunks = key.split("/")
     try:
         for chunk in chunks:
@@ -73,7 +73,7 @@ def watch_tokens(
     session: zenoh.Session,
     robot: str,
     on_token: Callable[[Token, bool], object],
-    tell: Callable[[str], object] = consent.tell,
+    tell: Callable[[str], object] = consent.print_notice,
     *,
     history: bool = True,
 ) -> zenoh.Subscriber[None]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from giraff_node.process.version import version
 from giraff_schemas.health import Health, WebPage
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 class HealthState:
@@ -30,11 +30,12 @@ class HealthState:
         self.page: WebPage | None = None
 
     def set_fault(self, name: str, trouble: Trouble) -> None:
-        """State what is wrong with `name` of this service itself, or with WELL that nothing is."""
+        """State what is wrong with `name` of this service itself, or with NO_TROUBLE that nothing is."""
         self._set(self._faults, name, trouble)
 
     def set_notice(self, name: str, trouble: Trouble) -> None:
-        """State what keeps the service from being of use and is not its own doing, or with WELL that nothing does."""
+        """State what keeps the service from being of use and is not its own doing, or with NO_TROUBLE that nothing
+        does."""
         self._set(self._notices, name, trouble)
 
     def health(self) -> Health:
@@ -69,11 +70,11 @@ class HealthState:
         return "; ".join(map(str, (*self._faults.values(), *self._notices.values()))) or "well"
 
     def _set(self, told: dict[str, Trouble], name: str, trouble: Trouble) -> None:
-        if told.get(name, WELL) == trouble:
+        if told.get(name, NO_TROUBLE) == trouble:
             return
         trouble = Trouble(_text(trouble.what), _text(trouble.remedy), trouble.action, _text(trouble.argument))
         about = {"about": name.partition(" ")[0]}  # a few words: keys and operators, which strangers invent, come after
-        if told.get(name, WELL) == trouble:
+        if told.get(name, NO_TROUBLE) == trouble:
             return
         if trouble:
             told[name] = trouble

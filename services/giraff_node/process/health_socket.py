@@ -21,7 +21,7 @@ import msgspec
 from giraff_health.ask import socket_path
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import Health
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 RETRY: Final = 1.0  # s between two attempts to become the one who answers
 TOUCHED: Final = 0.5  # s between two signs of life; wait.sh looks for one in 2 s
@@ -32,7 +32,7 @@ class HealthSocket:
     """`$RUNTIME_DIRECTORY/<service>.sock`; nothing without that variable. Nothing here waits or raises."""
 
     def __init__(self, service: str, environment: Mapping[str, str] = os.environ) -> None:
-        self.fault = WELL
+        self.fault = NO_TROUBLE
         """Why nobody is answered there."""
         self._service = service
         self._path = Path(socket_path(service, environment)) if environment.get("RUNTIME_DIRECTORY") else None
@@ -63,7 +63,7 @@ class HealthSocket:
                 "let RUNTIME_DIRECTORY name a directory that this user may write to",
             )
         else:
-            self.fault = WELL
+            self.fault = NO_TROUBLE
 
     def answer(self, health: Callable[[], Health]) -> None:
         """Answer those who wait."""
@@ -78,7 +78,7 @@ class HealthSocket:
                 client.setblocking(False)
                 client.send(msgspec.json.encode(health()) + b"\n")
 
-    def tell(self, now: float, faults: str) -> None:
+    def update(self, now: float, faults: str) -> None:
         """Let the file hold `faults`, a line each, and show that the loop turns. `now`: monotonic, s."""
         if self._listener is None or self._path is None or (faults == self._told and now < self._next_touch):
             return
@@ -99,7 +99,7 @@ class HealthSocket:
             with contextlib.suppress(OSError):
                 path.unlink()  # where it cannot be written, an old word must not stay
         else:
-            self.fault = WELL
+            self.fault = NO_TROUBLE
 
     def close(self) -> None:
         """Answer nobody any more."""

@@ -231,7 +231,7 @@ class Process:
         self._health_socket.keep_open(now)
         if asked:
             self._health_socket.answer(self.condition.health)
-        self._health_socket.tell(now, self.condition.faults)
+        self._health_socket.update(now, self.condition.faults)
         self._notifier.turn(now, self.condition.summary)
         self.condition.set_fault("health socket", self._health_socket.fault)
         self.condition.set_notice("systemd", self._notifier.problem)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from giraff_node.process.watchdog import watchdog_period
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _LONGEST: Final = 1000  # characters of a status
 
@@ -17,7 +17,7 @@ class Notifier:
     """Says nothing where nobody listens, which is where $NOTIFY_SOCKET is not set. Never waits, never raises."""
 
     def __init__(self, environment: Mapping[str, str] = os.environ) -> None:
-        self.problem = WELL
+        self.problem = NO_TROUBLE
         """Why systemd cannot be told anything, with the likely cause."""
         self._address = environment.get("NOTIFY_SOCKET", "")
         if self._address.startswith("@"):  # how an abstract socket's name is written
@@ -68,5 +68,5 @@ class Notifier:
                 f"NOTIFY_SOCKET={shown}: {error}", "start this service by its unit, or unset the variable"
             )
             return False
-        self.problem = WELL
+        self.problem = NO_TROUBLE
         return True

@@ -8,7 +8,7 @@ from typing import Final
 from giraff_ros2.hand.clock import OLD, PublisherClock
 from giraff_ros2.port import Received
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LASTS: Final = 0.4
 """s that one message asks for, as one press of a key does."""
@@ -45,7 +45,7 @@ class Publisher:
         """m/s and rad/s, of that message."""
         self.tick: RobotTime | None = None
         """The robot's newest when that message came."""
-        self.refused = WELL
+        self.refused = NO_TROUBLE
         """Why its newest message that was refused does not count."""
         self.refused_at = -math.inf
         self._clock = PublisherClock()

@@ -20,7 +20,7 @@ from giraff_ros2.hand.publisher import ANSWERS, CALM, LASTS, Publisher
 from giraff_ros2.port import OTHER_LIBRARY, USE_RMW_ZENOH, Received, Refused, RosPublisher
 from giraff_ros2.topics import CMD_VEL, CMD_VEL_STAMPED
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 RESTS: Final = 30.0
 """s after its last message for which a publisher is a hand at rest, and no longer."""
@@ -36,7 +36,7 @@ _LET_REST: Final = f"let it rest, or publish zero, for {CALM:g} s"
 
 
 class TwistHand(Hand):
-    """Feed it what comes, then let it `look`. Times are monotonic, s."""
+    """Feed it what comes, then let it `review`. Times are monotonic, s."""
 
     def __init__(self, config: Ros2Config, instance: str) -> None:
         # Nobody takes the robot by being there: the lease is asked for by a message that moves alone.
@@ -46,9 +46,9 @@ class TwistHand(Hand):
         self.stopping = False
         """An emergency stop was asked for here, and is not confirmed."""
         self._publishers: dict[bytes, Publisher] = {}
-        self._refused, self._refused_at = WELL, -math.inf
+        self._refused, self._refused_at = NO_TROUBLE, -math.inf
         self._ticks: deque[tuple[float, RobotTime | None]] = deque(maxlen=200)
-        self._lost = WELL  # why the hand does not count until it has rested
+        self._lost = NO_TROUBLE  # why the hand does not count until it has rested
         self._calm_since = math.inf
 
     def on_twist(self, received: Received, now: float) -> None:
@@ -59,7 +59,7 @@ class TwistHand(Hand):
         """Take that a sample was no message."""
         self._refused, self._refused_at = refused.trouble, now
 
-    def look(self, publishers: Iterable[RosPublisher], answers: Callable[[str], Answers], now: float) -> None:
+    def review(self, publishers: Iterable[RosPublisher], answers: Callable[[str], Answers], now: float) -> None:
         """Take who is there now, and what each has answered. What has come before is judged together with it."""
         there = {each.gid: each for each in publishers if each.topic in (CMD_VEL, CMD_VEL_STAMPED)}
         for gid in [*there][:_MOST]:
@@ -76,13 +76,13 @@ class TwistHand(Hand):
         else:
             self._calm_since = min(self._calm_since, now)
             if now - self._calm_since >= CALM:
-                self._lost = WELL
+                self._lost = NO_TROUBLE
 
     def token_fault(self, now: float) -> Trouble:
-        """Return why whole messages that came lately count for nothing; WELL: each publisher has a token."""
+        """Return why whole messages that came lately count for nothing; NO_TROUBLE: each publisher has a token."""
         strangers = (each for each in self._publishers.values() if not each.was_there)
         is_told = any(now - each.seen > _TOKEN_WITHIN and each.was_heard_since(now - RESTS) for each in strangers)
-        return _NO_TOKEN if is_told else WELL
+        return _NO_TOKEN if is_told else NO_TROUBLE
 
     def poll(self, now: float) -> Wish | Fault | None:
         """Return what ROS asks; None: nobody of ROS has a hand on this robot."""

@@ -91,7 +91,7 @@ def _base(state: BaseState) -> _Row:
 
 def _guard(state: GuardState) -> _Row:
     directions = {each: getattr(state, each) for each in ("forward", "backward", "turn_left", "turn_right")}
-    values = {each: f"{verdict.freedom}, at most {verdict.allowed:.2f}" for each, verdict in directions.items()}
+    values = {each: f"{verdict.clearance}, at most {verdict.allowed:.2f}" for each, verdict in directions.items()}
     return _Row(_WARN if state.reason and state.operator else _OK, state.reason.line(ROS) or "commands pass", values)
 
 

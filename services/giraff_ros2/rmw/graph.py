@@ -11,7 +11,7 @@ from giraff_ros2.rmw.names import Entity, dds_type, entity_of, gid_of
 from giraff_ros2.topics import RosTopic
 from giraff_schemas.text import printable
 from giraff_schemas.topics import LONGEST_CHUNK
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _MOST: Final = 500
 """Tokens that are remembered: on an open network anybody may declare one."""
@@ -34,7 +34,7 @@ class Graph:
         """Others' publishers on the topics that are listened to, with the very type."""
         self.wanted: frozenset[str] = frozenset()
         """Full names of the topics that others subscribe to."""
-        self.trouble = WELL
+        self.trouble = NO_TROUBLE
         """Which publisher is not heard, because its type is another."""
 
     def on_token(self, token: str, *, is_there: bool) -> None:
@@ -50,7 +50,7 @@ class Graph:
             self._sum_up()
 
     def _sum_up(self) -> None:
-        publishers, self.trouble = [], WELL
+        publishers, self.trouble = [], NO_TROUBLE
         for token, entity in self._entities.items():
             topic = self._topics.get((entity.name, entity.type, entity.type_hash))
             if topic is not None and entity.kind == "MP":

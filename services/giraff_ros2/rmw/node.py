@@ -106,7 +106,7 @@ class RosNode:
     def publish(self, topic: RosTopic, message: Any) -> None:
         self._own[topic](self._definitions.encode(message, topic.type))
 
-    def take(self) -> Iterable[Received | Refused]:
+    def pop_all(self) -> Iterable[Received | Refused]:
         if self._is_woken:  # by nothing else than what wakes it here: a system call less in most turns
             self._is_woken = False
             self._waker.drain()

@@ -66,7 +66,7 @@ class Eye(NamedTuple):
         return self._replace(view=some, cos=self.cos[pixels], sin=self.sin[pixels])
 
 
-def look(camera: Camera, rays: Single, lean: float, pivot: float) -> View:
+def view_from(camera: Camera, rays: Single, lean: float, pivot: float) -> View:
     """Return the view of a robot that leans forward by `lean` rad about an axle at `pivot` m.
 
     `rays`: of the upright robot, (3, pixels): ahead, left, up.

@@ -67,7 +67,7 @@ class SimulatedCamera:
             self._renderer = Renderer(resized(self._camera, width, height), self._scene, seed=self._seed)
             self._size, self._room_version = (width, height), -1
 
-    def take(self) -> tuple[Header, Picture]:
+    def capture(self) -> tuple[Header, Picture]:
         """Return a picture whose exposure ends now. Raises SimulatorError."""
         exposure = self._scene.exposure
         asked_ns = time.monotonic_ns()
@@ -126,7 +126,7 @@ class CameraServer:
         self._camera.resize(wanted.width, wanted.height)
         due = time.monotonic()
         while not self._stopping:
-            header, picture = self._camera.take()
+            header, picture = self._camera.capture()
             reader.sendall(msgspec.json.encode(header) + b"\n")
             reader.sendall(picture.tobytes())
             due = max(due + 1.0 / wanted.rate, time.monotonic())

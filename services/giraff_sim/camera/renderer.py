@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.sensors import Camera
-from giraff_sim.camera.eye import FARTHEST, Eye, View, at, look
+from giraff_sim.camera.eye import FARTHEST, Eye, View, at, view_from
 from giraff_sim.camera.lens import dirt, rays, turned
 from giraff_sim.camera.paper import WHITE, board_seen, lay, sheet_seen
 from giraff_sim.camera.scene import Scene, Shadow
-from giraff_sim.camera.solids import KINDS, WALL, Color, Layer, Layers, Seen, Solids
+from giraff_sim.camera.solids import KINDS, WALL, Color, Layer, Layers, Solids, SurfaceHits
 from giraff_sim.camera.textures import LEVELS, Floor, Index, Single, Texture, Textures, level_of
 from giraff_sim.world.room import Pose
 
@@ -132,7 +132,7 @@ class Renderer:
 
     def _view(self, lean: float, pivot: float) -> View:
         if (lean, pivot) not in self._views:
-            self._views = {(lean, pivot): look(self._camera, self._rays, lean, pivot)}
+            self._views = {(lean, pivot): view_from(self._camera, self._rays, lean, pivot)}
         return self._views[lean, pivot]
 
     def _once(self, eye: Eye, t: float) -> tuple[Single, Index]:
@@ -172,7 +172,7 @@ class Renderer:
         grey *= pixels.shade
         return grey, pixels.material
 
-    def _meet(self, eye: Eye, seen: Seen, layer: Layer, left: Index, pixels: _Pixels) -> Index:
+    def _meet(self, eye: Eye, seen: SurfaceHits, layer: Layer, left: Index, pixels: _Pixels) -> Index:
         """Put in what is met of one layer before the floor. Return the pixels that look on."""
         view, direction = eye.view, eye.view.direction[left]
         away = layer.far.take(direction)

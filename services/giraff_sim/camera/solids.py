@@ -86,7 +86,7 @@ class _Side(NamedTuple):
     """It belongs to something with an inside."""
 
 
-class Seen(NamedTuple):
+class SurfaceHits(NamedTuple):
     """The surfaces that the directions meet: arrays by surface and direction, or by surface."""
 
     far: Single
@@ -123,7 +123,7 @@ class Layer(NamedTuple):
 class Layers:
     """The surfaces of each direction: the nearest, the second, and so on. None is sorted before somebody asks."""
 
-    def __init__(self, seen: Seen) -> None:
+    def __init__(self, seen: SurfaceHits) -> None:
         self.seen = seen
         self._far = seen.far.copy()
         self._every = np.arange(self._far.shape[1])
@@ -154,7 +154,7 @@ class Solids:
         self._posts = [(_kind_of(name, _COLUMN), x, y, radius) for name, x, y, radius in posts if _PERSON not in name]
         self._posts += [post for person in people for post in _person(person, 0.0)]
 
-    def seen(self, x: float, y: float, cos: Single, sin: Single, people: Iterable[Walker], t: float) -> Seen:
+    def seen(self, x: float, y: float, cos: Single, sin: Single, people: Iterable[Walker], t: float) -> SurfaceHits:
         """Return what is met from a place in these directions."""
         flat = self._flat(x, y, cos, sin)
         posts = [*self._posts, *(post for person in people for post in _person(person, t))]
@@ -170,7 +170,7 @@ class Solids:
         beyond = np.where(is_met, middle + radius * height, np.float32(np.inf))
         shade, even = np.float32(_DARKEST) + np.float32(1.0 - _DARKEST) * height, np.ones_like(height)
         none, slant = np.zeros(2 * len(posts), np.float32), np.full(2 * len(posts), 0.7, np.float32)
-        return Seen(
+        return SurfaceHits(
             far=np.concatenate([flat.far, near, beyond]),
             is_far_side=np.concatenate([flat.is_far_side, np.zeros_like(is_met), np.ones_like(is_met)]),
             shade=np.concatenate([flat.shade, shade, even]),
@@ -182,7 +182,7 @@ class Solids:
             flat=flat.flat,
         )
 
-    def _flat(self, x: float, y: float, cos: Single, sin: Single) -> Seen:
+    def _flat(self, x: float, y: float, cos: Single, sin: Single) -> SurfaceHits:
         ahead_x, ahead_y = self._x - np.float32(x), self._y - np.float32(y)
         across = cos * self._along_y - sin * self._along_x
         apart = ahead_x * self._along_y - ahead_y * self._along_x
@@ -196,7 +196,7 @@ class Solids:
         shade = np.float32(0.82) + np.float32(0.18) * np.abs(
             self._along_x * np.float32(0.8) + self._along_y * np.float32(0.6)
         )
-        return Seen(
+        return SurfaceHits(
             far=far,
             is_far_side=is_far_side,
             shade=np.broadcast_to(shade, far.shape),

@@ -13,7 +13,7 @@ import msgspec
 from giraff_schemas.wire import Wiring
 from giraff_sim.control import messages
 from giraff_sim.control.messages import BoardName, State, Surfaces, Wheel
-from giraff_sim.record import Verdict
+from giraff_sim.record import MotorWindow
 from giraff_sim.truth import Truth
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
@@ -77,7 +77,7 @@ class SimulatorClient:
             raise SimulatorError(f"{self._path}: a reply without the truth")
         return truth
 
-    def record(self, since_us: int = 0, until_us: int | None = None) -> Verdict:
+    def record(self, since_us: int = 0, until_us: int | None = None) -> MotorWindow:
         """The black box's verdict on a window of simulated time."""
         record = self._ask(messages.GetRecord(since_us=since_us, until_us=until_us)).record
         if record is None:
@@ -128,9 +128,9 @@ class SimulatorClient:
         """Hold a wheel back by so many m/s² at its rim, as a hand does; 0 lets it go."""
         return self._ask(messages.BrakeWheel(wheel=wheel, brake=brake)).now_us
 
-    def solder(self, wiring: Wiring) -> int:
-        """Solder motors and encoders so that `configure.wiring` must be this."""
-        return self._ask(messages.Solder(wiring=int(wiring))).now_us
+    def rewire(self, wiring: Wiring) -> int:
+        """Rewire motors and encoders so that `configure.wiring` must be this."""
+        return self._ask(messages.Rewire(wiring=int(wiring))).now_us
 
     def cut_encoder(self, wheel: Wheel, *, cut: bool) -> int:
         """Cut a wheel encoder's wires, or mend them."""

@@ -12,7 +12,7 @@ from giraff_schemas.text import plain
 from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCause, WheelsFrame, Wiring
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.wheels.body import WheelsBody
-from giraff_sim.bodies.wheels.soldering import LEFT, RIGHT
+from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
 from giraff_sim.control import messages
 from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
@@ -64,7 +64,7 @@ class Control:
             messages.CutSignal: self._cut_signal,
             messages.BlockWheel: self._block_wheel,
             messages.BrakeWheel: self._brake_wheel,
-            messages.Solder: self._solder,
+            messages.Rewire: self._rewire,
             messages.Battery: self._battery,
             messages.Push: self._push,
             messages.Raise: self._raise,
@@ -199,8 +199,8 @@ class Control:
             raise ValueError(f"nothing holds a wheel back by {request.brake} m/s²")
         self._wheels.brake_wheel(_WHEELS[request.wheel], request.brake)
 
-    def _solder(self, request: messages.Solder) -> None:
-        self._wired_wheels.solder(Wiring(request.wiring))
+    def _rewire(self, request: messages.Rewire) -> None:
+        self._wired_wheels.rewire(Wiring(request.wiring))
 
     def _battery(self, request: messages.Battery) -> None:
         if not (math.isfinite(request.volts) and request.volts >= 0.0):

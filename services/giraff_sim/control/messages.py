@@ -9,7 +9,7 @@ import msgspec
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import RunState
 from giraff_sim.bodies.balancer.drawn import Drawn
-from giraff_sim.record import Verdict
+from giraff_sim.record import MotorWindow
 from giraff_sim.truth import Truth
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
@@ -154,8 +154,8 @@ class BrakeWheel(Request, frozen=True, kw_only=True, tag="brake"):
     """m/s² at its rim, against its motion; 0 lets it go."""
 
 
-class Solder(Request, frozen=True, kw_only=True, tag="solder"):
-    """Solder motors and encoders anew."""
+class Rewire(Request, frozen=True, kw_only=True, tag="rewire"):
+    """Rewire motors and encoders anew."""
 
     wiring: Annotated[int, msgspec.Meta(ge=0, le=int(~Wiring(0)))]
     """What `configure.wiring` must then be for the robot to drive well."""
@@ -220,7 +220,7 @@ AnyRequest = (
     | CutSignal
     | BlockWheel
     | BrakeWheel
-    | Solder
+    | Rewire
     | Battery
     | Push
     | Raise
@@ -340,4 +340,4 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     state: State | None = None
     room: Surfaces | None = None
     truth: Truth | None = None
-    record: Verdict | None = None
+    record: MotorWindow | None = None

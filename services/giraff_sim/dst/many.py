@@ -12,8 +12,8 @@ from typing import Final
 
 import msgspec
 
-from giraff_sim.dst.drill import SECONDS, Outcome, known_settings, play
 from giraff_sim.dst.scenarios import draw
+from giraff_sim.dst.simulated_run import SECONDS, Outcome, known_settings, play
 
 _CHUNK: Final = 4  # seeds handed to a process at a time
 
@@ -43,9 +43,9 @@ class Totals(msgspec.Struct, kw_only=True):
     failures: list[Failure] = []
     motion_digest: str = ""
     """SHA-256 of the motion digests of all seeds, in order."""
-    story_digest: str = ""
+    event_digest: str = ""
 
-    def take(self, outcome: Outcome, seconds: float) -> None:
+    def add(self, outcome: Outcome, seconds: float) -> None:
         """Count one more."""
         self.seeds += 1
         self.simulated += seconds
@@ -58,7 +58,7 @@ class Totals(msgspec.Struct, kw_only=True):
             told = tuple(f"({each.rule}) {each.what}" for each in outcome.violations)
             self.failures.append(Failure(seed=outcome.seed, violations=told))
         self.motion_digest = _chained(self.motion_digest, outcome.motion_digest)
-        self.story_digest = _chained(self.story_digest, outcome.story_digest)
+        self.event_digest = _chained(self.event_digest, outcome.event_digest)
 
 
 def _chained(before: str, digest: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from giraff_sim.dst.drill import Kind
+from giraff_sim.dst.simulated_run import Kind
 
 MARKS: Final = (
     "stop: forward blocked",

@@ -30,7 +30,7 @@ from giraff_schemas.topics import (
     Query,
     Topic,
 )
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, Frame, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.dst.hands import Fingers, RestlessHand
 from giraff_sim.hosts.process import Process
@@ -42,7 +42,7 @@ _POLL_HZ: Final = 20.0  # of the command line, for an answer
 _NOISE: Final = 0.03  # m/s², of a hand and a sensor
 
 
-def typist(process: Process, fingers: Fingers) -> Keyboard:
+def keyboard_user(process: Process, fingers: Fingers) -> Keyboard:
     """giraff_keyboard in a process of its own, with `fingers` at its terminal."""
     return Keyboard(process, KeyboardConfig(), process.loop.settings.robot, _Terminal(process, fingers))
 
@@ -56,7 +56,7 @@ class UnseenScreen:
     def descriptor(self) -> int | None:
         return None
 
-    def take(self, sample: Sample, now: float) -> None:
+    def on_sample(self, sample: Sample, now: float) -> None:
         """Nothing is shown of it."""
 
     def show(self, policy: object, stop: object, now: float) -> None:
@@ -93,7 +93,7 @@ def double(process: Process, chance: random.Random, seconds: float) -> Joystick:
 class _TiltBoard:
     """Frames as the joystick's board sends them."""
 
-    fault = WELL
+    fault = NO_TROUBLE
     opened = 1
 
     def __init__(self, process: Process, chance: random.Random, hand: RestlessHand) -> None:
@@ -144,7 +144,7 @@ class _TiltBoard:
         )
 
 
-class Caretaker:
+class EStopOperator:
     """`giraff param set` and `giraff param save`, and who presses the emergency stop at the same moment as another."""
 
     link = None
@@ -201,7 +201,7 @@ class Button:
 
     def reset(self) -> None:
         """Ask to release the latch that was heard of last."""
-        self._hear()
+        self._poll()
         asked = EStopReset(by=self._process.instance, id=self._id, tick=self._tick)
         self._judge.pressed_reset(asked)
         self._asking = self._process.ask(ESTOP_RESET, asked, lambda _: True)
@@ -209,15 +209,15 @@ class Button:
 
     def turn(self, now: float) -> None:
         self.timers[0].due(now)
-        self._hear()
+        self._poll()
         if self._asking is not None and self._asking.poll(now) is not None:
             self._asking = None
 
     def end(self) -> None:
         """Nothing is left to say."""
 
-    def _hear(self) -> None:
-        for tick in self._ticks.take():
+    def _poll(self) -> None:
+        for tick in self._ticks.pop_all():
             self._tick = tick.time
-        for state in self._states.take():
+        for state in self._states.pop_all():
             self._id = state.id

@@ -1,16 +1,16 @@
-"""What befalls the robot of a seed."""
+"""What happens to the robot of a seed."""
 
 from __future__ import annotations
 
 from random import Random
 from typing import Final
 
-from giraff_sim.dst.drill import SECONDS, SIM, Befall, Begin, Kind, Scenario
 from giraff_sim.dst.faults import machine as machine_faults
 from giraff_sim.dst.faults import network as network_faults
 from giraff_sim.dst.faults import robot as robot_faults
 from giraff_sim.dst.hands import ClutchingHand, RestlessHand
 from giraff_sim.dst.rooms import lay_threshold, random_room
+from giraff_sim.dst.simulated_run import SECONDS, SIM, Begin, Kind, Scenario, ScheduledFault
 from giraff_sim.truth import draw_truth
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.hand import Hand
@@ -37,29 +37,29 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
     hand: Hand = (
         RestlessHand(chance, seconds) if chance.random() < _RESTLESS else DemoHand(room.waypoints, seed, _RESTS_FROM)
     )
-    befalls = tuple(
-        Befall(
+    faults = tuple(
+        ScheduledFault(
             kind=chance.choices(KINDS, [each.weight for each in KINDS])[0],
             at=chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT),
             chance=Random(chance.getrandbits(64)),
         )
         for _ in range(chance.randint(*_FAULTS))
     )
-    befalls += _beside(robot_faults.deaf, _DEAF, Random(f"{seed}/deaf"), seconds)
-    befalls += _beside(robot_faults.bumper, _CUT_BUMPER, Random(f"{seed}/bumper"), seconds)
-    befalls += _beside(robot_faults.flicker, _FLICKERS, Random(f"{seed}/flicker"), seconds)
-    befalls += _beside(robot_faults.slipping_encoder, _SLIPS, Random(f"{seed}/slip"), seconds)
+    faults += _beside(robot_faults.deaf, _DEAF, Random(f"{seed}/deaf"), seconds)
+    faults += _beside(robot_faults.bumper, _CUT_BUMPER, Random(f"{seed}/bumper"), seconds)
+    faults += _beside(robot_faults.flicker, _FLICKERS, Random(f"{seed}/flicker"), seconds)
+    faults += _beside(robot_faults.slipping_encoder, _SLIPS, Random(f"{seed}/slip"), seconds)
     presses: tuple[tuple[float, float], ...] = ()
     clutch = Random(f"{seed}/clutch")  # a chance of its own: all others stay what they were without it
     if clutch.random() < _CLUTCHES:
         hand = clutching = ClutchingHand(hand, clutch, seconds)
         presses = tuple(clutching.presses)
-    return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", SIM.truth, seed), presses)
+    return Scenario(seed, room, hand, seconds, faults, draw_truth("uncalibrated", SIM.truth, seed), presses)
 
 
-def _beside(begin: Begin, share: float, chance: Random, seconds: float) -> tuple[Befall, ...]:
+def _beside(begin: Begin, share: float, chance: Random, seconds: float) -> tuple[ScheduledFault, ...]:
     """Draw a fault in a share of the runs, by a chance of its own: all others stay what they were without it."""
     if chance.random() >= share:
         return ()
     kind = next(each for each in (*KINDS, *robot_faults.OF_BUMPERS) if each.begin is begin)
-    return (Befall(kind, chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT), Random(chance.getrandbits(64))),)
+    return (ScheduledFault(kind, chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT), Random(chance.getrandbits(64))),)

@@ -6,7 +6,7 @@ import hashlib
 from typing import Final
 
 from giraff_node.boards.serial_link import IN_USE, NO_PORT, REOPEN_PERIOD, UNPLUGGED, SerialLink
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import BoardKind
 from giraff_sim.hosts.event_queue import Action
 from giraff_sim.simulation import Simulation
@@ -119,7 +119,7 @@ class CableEnd(SerialLink):
         self._cable.flush()
         self._cable.on_data = self._on_data
         self._is_open = True
-        self.fault = WELL
+        self.fault = NO_TROUBLE
         self.opened += 1
         return True
 

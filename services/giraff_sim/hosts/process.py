@@ -31,7 +31,7 @@ from giraff_schemas.topics import (
     SampleT,
     Topic,
 )
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Frame
 from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.disk import ProcessStore
@@ -98,7 +98,7 @@ class Process:
         self._service: Service | None = None
         self._leaves = False
         self._answer_for_params: Callable[[], None] = lambda: None
-        self.lost_parameters = WELL
+        self.lost_parameters = NO_TROUBLE
         self._random = Random(f"{loop.simulation.world.seed}/{instance}")
         self._waiting: list[tuple[Subscription, Message]] = []
         self._sequences: dict[str, int] = defaultdict(int)
@@ -294,8 +294,8 @@ class _Inbox(Inbox[ItemT]):
         super().__init__(limit)
         self._tell = tell
 
-    def take(self) -> Iterator[ItemT]:
-        for item in super().take():
+    def pop_all(self) -> Iterator[ItemT]:
+        for item in super().pop_all():
             self._tell(item)
             yield item
 

@@ -10,7 +10,7 @@ from giraff_schemas.wire import Frame
 from giraff_sim.board import Board
 from giraff_sim.world.room import Pose
 
-Way = Literal["any", "travel", "forward", "backward"]
+DriveDirection = Literal["any", "travel", "forward", "backward"]
 """Motion that a fault must stop. Turning in place is no travel."""
 
 
@@ -99,7 +99,7 @@ class Body(Protocol):
         """Move for `duration` s by what the board's pins gave since the last step, and set its sensors' pins."""
         ...
 
-    def look(self, board: Board) -> None:
+    def update(self, board: Board) -> None:
         """Find `activity`. The board has just run."""
         ...
 
@@ -150,6 +150,6 @@ class BodyJudge(Protocol):
         """Say what is wrong with this step, in which the body is not in its safe state; empty when nothing is."""
         ...
 
-    def goes(self, way: Way) -> bool:
+    def goes(self, way: DriveDirection) -> bool:
         """Return whether the body is driven that way in this step, in which it is not in its safe state."""
         ...

@@ -1,6 +1,6 @@
 // The floor plan: the robot in the middle, its front up; walls, path and what the sensors see around it.
 
-import { freedom, isPlaced } from "./words.js";
+import { clearance, isPlaced } from "./words.js";
 
 /** m from the robot to the nearer edge of the picture. */
 const VIEW = 1.9;
@@ -44,18 +44,18 @@ export class Trail {
     /** @type {[number, number][]} */
     this.points = [];
     /** @type {string | null} */
-    this._origin = null;
+    this._segment = null;
   }
 
   onHello(hello) {
     this.points = hello.trail.map(([x, y]) => [x, y]);
-    this._origin = null;
+    this._segment = null;
   }
 
   onState(state) {
     if (!state.pose) return;
-    if (this._origin !== null && state.origin !== this._origin) this.points = [];
-    this._origin = state.origin;
+    if (this._segment !== null && state.segment !== this._segment) this.points = [];
+    this._segment = state.segment;
     const [x, y] = state.pose;
     const last = this.points.at(-1);
     if (last && Math.hypot(x - last[0], y - last[1]) < TRAIL_STEP) return;
@@ -231,7 +231,7 @@ export class Floor {
       ["backward", Math.PI],
       ["turn_right", -Math.PI / 2],
     ];
-    for (const [way, angle] of ways) this._way(freedom(state, way), angle, radius);
+    for (const [way, angle] of ways) this._way(clearance(state, way), angle, radius);
   }
 
   /** Where the robot is with 95 %: on the map where localization says so, else by its wheels. */

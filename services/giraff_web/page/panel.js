@@ -1,6 +1,6 @@
 // What is written on the page, where it stands in the document.
 
-import { DIRECTIONS, OLD, ageText, armedText, driverText, facts, floorLines, freedom, isStopped, placeText, reasons, whyText } from "./words.js";
+import { DIRECTIONS, OLD, ageText, armedText, driverText, facts, floorLines, clearance, isStopped, placeText, reasons, whyText } from "./words.js";
 
 /** s between two changes of a line that a screen reader speaks, and of the floor plan's text. */
 const SPOKEN = 0.3;
@@ -64,8 +64,8 @@ export class Panel {
     for (const name of ["speed", "turn", "battery", "trip", "path"]) write(byId(name), linked ? shown[name] : "–");
     for (const [way, , unit] of DIRECTIONS) {
       const tile = byId(`way-${way}`);
-      const word = linked ? freedom(state, way) : "unknown";
-      tile.dataset.freedom = word;
+      const word = linked ? clearance(state, way) : "unknown";
+      tile.dataset.clearance = word;
       write(tile.querySelector(".word"), word);
       const verdict = state.directions?.[way];
       const moves = verdict && !["unknown", "stopped", "blocked"].includes(word);

@@ -143,9 +143,9 @@ export function isStopped(state) {
   return Boolean(state?.stop?.engaged);
 }
 
-/** Freedom of one direction as a word. The emergency stop comes first; "unknown" when the guard is not heard. */
-export function freedom(state, way) {
-  return isStopped(state) ? "stopped" : (state.directions?.[way]?.freedom ?? "unknown");
+/** Clearance of one direction as a word. The emergency stop comes first; "unknown" when the guard is not heard. */
+export function clearance(state, way) {
+  return isStopped(state) ? "stopped" : (state.directions?.[way]?.clearance ?? "unknown");
 }
 
 /**

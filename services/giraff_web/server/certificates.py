@@ -21,7 +21,7 @@ from giraff_keys.files import KeyFileError, is_pair, read_certificate, read_key
 from giraff_keys.folder import holding, lay_down
 from giraff_keys.host_names import Address, require_address, with_local
 from giraff_node.network.key_bundle import CA_CERTIFICATE, EXPIRES_SOON, HOST_CERTIFICATE, HOST_KEY
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 FOLDER: Final = "web-keys"
 """In the service's state folder."""
@@ -102,7 +102,7 @@ def for_this_host(
 ) -> tuple[Certificate, Trouble]:
     """The one that counts on this network, and what is to be told of it. Raises CertificateProblemError."""
     if is_secured(network):
-        return host_certificate(Path(network.keys)), WELL
+        return host_certificate(Path(network.keys)), NO_TROUBLE
     return made_certificate(state, hostname, names, now, passing)
 
 
@@ -127,7 +127,7 @@ def _lacking(folder: Path, addresses: set[Address]) -> Trouble:
     """Return the trouble with addresses of this host that the certificate does not name."""
     lacking = ", ".join(sorted(map(str, addresses - {*addresses_of(read_certificate(folder / HOST_CERTIFICATE))})))
     if not lacking:
-        return WELL
+        return NO_TROUBLE
     remedy = f"open the page at another address; or remove {folder}, start again, and let devices trust it anew"
     return Trouble(f"the certificate does not name {lacking}: browsers refuse the page there", remedy)
 
@@ -136,7 +136,7 @@ def _early(folder: Path, now: datetime) -> Trouble:
     """Return the trouble with a certificate that begins later than `now`. The certificate has been read before."""
     begins = read_certificate(folder / HOST_CERTIFICATE).not_valid_before_utc
     if now >= begins:
-        return WELL
+        return NO_TROUBLE
     early = f"the certificate begins on {begins:%Y-%m-%d}, but at the start the clock stood at {now:%Y-%m-%d}"
     return Trouble(early, f"set the clock; if it was right, remove {folder} and start again")
 
@@ -151,7 +151,7 @@ def _make(folder: Path, hostname: str, names: Iterable[Address], now: datetime) 
     lay_down(folder, public, {HOST_KEY: host.key_pem}, renew=folder.exists())
 
 
-def _loaded(folder: Path, way_out: str) -> Certificate:
+def _loaded(folder: Path, remedy: str) -> Certificate:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     try:
@@ -159,7 +159,7 @@ def _loaded(folder: Path, way_out: str) -> Certificate:
         fingerprint = read_certificate(folder / HOST_CERTIFICATE).fingerprint(hashes.SHA256()).hex()
         return Certificate(context, (folder / CA_CERTIFICATE).read_bytes(), fingerprint)
     except KeyFileError as error:
-        raise CertificateProblemError(f"{error}; {way_out}") from error
+        raise CertificateProblemError(f"{error}; {remedy}") from error
     except OSError as error:  # ssl.SSLError is one, too
         told = f"{error.filename}: {error.strerror}" if error.filename else f"certificate and key: {error}"
-        raise CertificateProblemError(f"{folder}: {told}; {way_out}") from error
+        raise CertificateProblemError(f"{folder}: {told}; {remedy}") from error

@@ -12,8 +12,8 @@ import msgspec
 from aiohttp import WSMsgType, web
 
 from giraff_schemas.text import plain
-from giraff_web.limits import Credit, Limits, Rate
-from giraff_web.messages import LARGEST, End, FromPage, Hello, Looking, OpenPage, OpenPages, Refused, Seen, Stop
+from giraff_web.limits import Limits, Rate, SendWindow
+from giraff_web.messages import LARGEST, End, FromPage, Hello, Looking, OpenPage, OpenPages, Refused, StateSeen, Stop
 from giraff_web.pages import Event, Said, StopAsked
 
 BAD_MESSAGE: Final = 4400
@@ -84,7 +84,7 @@ class Connection:
         self._opened = now
         self._limits = limits
         self._rate = Rate(limits.rate, now)
-        self._credit = Credit()
+        self._send_window = SendWindow()
         self._sent = -1
         self._state: Shown | None = None
         self._picture: bytes | None = None
@@ -109,7 +109,7 @@ class Connection:
         """This page, as others are told of it."""
         return OpenPage(page=self.page, device=self.device, may_drive=self.may_drive, age=now - self._opened)
 
-    def tell(self, message: Hello | Refused | Looking | OpenPages) -> None:
+    def send(self, message: Hello | Refused | Looking | OpenPages) -> None:
         self._greeted = self._greeted or isinstance(message, Hello)
         if isinstance(message, Looking) and not message.on:
             self._picture = None  # it looks no longer, and its link may be slow
@@ -121,7 +121,7 @@ class Connection:
         self._news.set()
 
     def is_silent(self, now: float) -> bool:
-        return self._credit.waits(now) >= self._limits.silent
+        return self._send_window.waits(now) >= self._limits.silent
 
     def silence(self) -> None:
         """Its hand counts no more; it may still say stop."""
@@ -146,7 +146,7 @@ class Connection:
             message = await self.socket.receive()
             match message.type:
                 case WSMsgType.TEXT:
-                    fault = self._take(message.data)
+                    fault = self._on_text(message.data)
                 case WSMsgType.PING | WSMsgType.PONG:  # they count as all that a page says
                     fault = self._too_many(self._loop.time())
                     if not fault and message.type is WSMsgType.PING:
@@ -160,7 +160,7 @@ class Connection:
                 await self.end(BAD_MESSAGE, fault)
                 return
 
-    def _take(self, text: str) -> str:
+    def _on_text(self, text: str) -> str:
         """What is wrong with what the page has said; empty: it is done."""
         data = text.encode()
         if len(data) > LARGEST:
@@ -174,10 +174,10 @@ class Connection:
             self._put(StopAsked(self.device, said.off))  # before its rate is looked at
         if fault := self._too_many(now):
             return fault
-        if isinstance(said, Seen):
+        if isinstance(said, StateSeen):
             if said.n > self._sent:
                 return f"no state {said.n} was sent here"
-            self._credit.seen(said.n, now)
+            self._send_window.seen(said.n, now)
             self._news.set()
         elif not isinstance(said, Stop) and self.may_drive and not self._silenced:
             if isinstance(said, End):
@@ -188,7 +188,7 @@ class Connection:
 
     def _too_many(self, now: float) -> str:
         """Count one message of the page; empty: it may say that many."""
-        return "" if self._rate.take(now) else f"more than {self._limits.rate:g} messages a second"
+        return "" if self._rate.admit(now) else f"more than {self._limits.rate:g} messages a second"
 
     async def _write(self) -> None:
         while True:
@@ -202,12 +202,12 @@ class Connection:
         """What is to be sent now. A picture waits for all else: it takes a slow link for long."""
         if self._told:
             return self._told.popleft(), WSMsgType.TEXT
-        if not self._greeted or not self._credit.allows():
+        if not self._greeted or not self._send_window.allows():
             return None
         if self._state is not None:
             state, self._state = self._state, None
             self._sent = state.n
-            self._credit.sent(state.n, self._loop.time())
+            self._send_window.sent(state.n, self._loop.time())
             return state.data, WSMsgType.TEXT
         picture, self._picture = self._picture, None
         return None if picture is None else (picture, WSMsgType.BINARY)

@@ -97,7 +97,7 @@ def ask(path: Path, asked: Ask) -> Answer:
 async def serve(listener: socket.socket, answer: Callable[[Ask], Answer]) -> None:
     """Answer each client once, until this is cancelled."""
 
-    async def take(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    async def on_connection(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         # A client that is slow, gone, or of another version is let go without an answer, and says so itself.
         with contextlib.suppress(TimeoutError, ConnectionError, ValueError, msgspec.MsgspecError):
             async with asyncio.timeout(PATIENCE):
@@ -106,5 +106,5 @@ async def serve(listener: socket.socket, answer: Callable[[Ask], Answer]) -> Non
                 await writer.drain()
         writer.close()
 
-    async with await asyncio.start_unix_server(take, sock=listener, limit=LARGEST) as server:
+    async with await asyncio.start_unix_server(on_connection, sock=listener, limit=LARGEST) as server:
         await server.serve_forever()

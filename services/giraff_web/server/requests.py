@@ -16,7 +16,7 @@ from giraff_schemas.messages import EStop
 from giraff_schemas.text import plain
 from giraff_web.devices import device_name
 from giraff_web.messages import LARGEST
-from giraff_web.server.doorman import Guarded
+from giraff_web.server.connection_limiter import Guarded
 from giraff_web.server.files import File, page_files
 from giraff_web.sessions import SESSION_LIFE, Granted, Sessions
 

@@ -25,7 +25,7 @@ from giraff_web.messages import Hello, Looking, OpenPages, Refused, State
 from giraff_web.pages import Closed, Event, Opened, StopAsked
 from giraff_web.server.certificates import Certificate
 from giraff_web.server.connection import ENDED, LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
-from giraff_web.server.doorman import Doorman, in_address
+from giraff_web.server.connection_limiter import ConnectionLimiter, in_address
 from giraff_web.server.host import Answer, Ask, HostSocket, serve
 from giraff_web.server.requests import Requests
 from giraff_web.server.stop_answers import StopAnswers
@@ -95,7 +95,7 @@ class Server:
         self._shown: Shown | None = None
         self._showing = False
         self._listener: socket.socket | None = None
-        self._doorman: Doorman | None = None
+        self._connection_limiter: ConnectionLimiter | None = None
         self._requests: Requests | None = None
         self._loop = asyncio.new_event_loop()
         self._ending = asyncio.Event()
@@ -137,7 +137,7 @@ class Server:
                 self._waker.drain()
                 self._woken = False
             self._stop_answers.turns += 1
-            return self._box.take()
+            return self._box.pop_all()
 
     def show(self, state: State) -> None:
         self._shown = Shown(state.n, msgspec.json.encode(state))
@@ -150,8 +150,8 @@ class Server:
         if self._stop_answers.is_waited:
             self._call(self._stop_answers.give, word, self._stop_answers.turns)
 
-    def tell(self, page: int, message: Hello | Refused | Looking) -> None:
-        self._call(self._tell, page, message)
+    def send(self, page: int, message: Hello | Refused | Looking) -> None:
+        self._call(self._send, page, message)
 
     def send_picture(self, page: int, data: bytes) -> None:
         self._call(self._send_picture, page, data)
@@ -173,9 +173,9 @@ class Server:
             for connection in self._connections.values():
                 connection.offer(self._shown)
 
-    def _tell(self, page: int, message: Hello | Refused | Looking) -> None:
+    def _send(self, page: int, message: Hello | Refused | Looking) -> None:
         if connection := self._connections.get(page):
-            connection.tell(message)
+            connection.send(message)
 
     def _send_picture(self, page: int, data: bytes) -> None:
         if connection := self._connections.get(page):
@@ -193,18 +193,20 @@ class Server:
         quiet = logging.getLogger("giraff_web.http")
         quiet.setLevel(logging.CRITICAL)  # it would tell each broken request of any stranger
         http = web.Server(self._answer, access_log=None, logger=quiet, lingering_time=1.0)
-        self._doorman = doorman = Doorman(self._listener, self._site.certificate.context, http, self._limits)
+        self._connection_limiter = limiter = ConnectionLimiter(
+            self._listener, self._site.certificate.context, http, self._limits
+        )
         self._requests = Requests(
             self._sessions,
             self,
-            doorman.of,
+            limiter.of,
             names=self._site.names,
             authority=self._site.certificate.authority,
             used=self._on_used,
             log=self._log,
         )
         self._loop.set_exception_handler(lambda _, context: self._log(f"pages: {context.get('message')}"))
-        tasks = [asyncio.create_task(each) for each in (doorman.run(), self._look(), self._ending.wait())]
+        tasks = [asyncio.create_task(each) for each in (limiter.run(), self._watch(), self._ending.wait())]
         if self._host is not None:
             tasks.append(asyncio.create_task(serve(self._host.listener, self._answer_host)))
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -212,7 +214,7 @@ class Server:
         for task in tasks:
             task.cancel()
         self._listener.close()
-        doorman.close()
+        limiter.close()
         await bounded(http.shutdown(1.0))
         for task in done:
             task.result()
@@ -224,7 +226,7 @@ class Server:
             answer.headers["Giraff-Robot"] = self._site.robot
         return answer
 
-    async def _look(self) -> None:
+    async def _watch(self) -> None:
         """Close the pages that are silent, and those whose session is over. Tell drivers who has come and gone."""
         while True:
             await asyncio.sleep(_LOOK)
@@ -240,7 +242,7 @@ class Server:
                 pages = OpenPages(pages=tuple(each.row(now) for each in self._connections.values()))
                 for each in self._connections.values():
                     if each.may_drive:
-                        each.tell(pages)
+                        each.send(pages)
 
     def _answer_host(self, asked: Ask) -> Answer:
         assert self._host is not None  # noqa: S101  it has asked
@@ -271,7 +273,7 @@ class Server:
         connection = Connection(
             next(self._numbers), device, address, cookie, self._put, self._end_page, self._limits, now
         )
-        guarded = self._doorman.of(request.protocol) if self._doorman is not None else None
+        guarded = self._connection_limiter.of(request.protocol) if self._connection_limiter is not None else None
         if guarded is not None:
             guarded.is_busy = False  # before it is let in
         await connection.socket.prepare(request)
@@ -337,8 +339,8 @@ def _why_not(config: WebConfig, error: OSError) -> str:
     if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
         return f"[web] address: {config.address!r} is none of this host; leave it empty, and all count"
     if error.errno == errno.EADDRINUSE:
-        way_out = "end what listens there (`ss -ltnp` shows it), or choose another by [web] port or --port"
-        return f"port {config.port} is in use: {way_out}"
+        remedy = "end what listens there (`ss -ltnp` shows it), or choose another by [web] port or --port"
+        return f"port {config.port} is in use: {remedy}"
     if error.errno in (errno.EACCES, errno.EPERM):
         return f"port {config.port} is for root only; set [web] port to one above 1023"
     return f"port {config.port}: {error.strerror or error}; set [web] port"

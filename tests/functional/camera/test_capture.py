@@ -12,13 +12,13 @@ import msgspec
 import numpy as np
 import pytest
 
-from giraff_camera.device import capture as it
+from giraff_camera.device import capture as subject
 from giraff_camera.device.capture import Capture
 from giraff_camera.device.image import Device, DeviceError, Image
 from giraff_camera.device.opening import open_camera
 from giraff_camera.device.raw_frames import Header
 from giraff_node.process.selector import wait_for
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from tests.support.waiting import wait
 
 UNPLUGGED = Trouble("unplugged", "plug it in")
@@ -54,7 +54,7 @@ def camera() -> Scripted:
 
 @pytest.fixture
 def capture(camera: Scripted, monkeypatch: pytest.MonkeyPatch) -> Iterator[Capture]:
-    monkeypatch.setattr(it, "REOPEN_PERIOD", 0.0)
+    monkeypatch.setattr(subject, "REOPEN_PERIOD", 0.0)
     made = Capture(camera.open, lambda: camera.time)
     yield made
     made.stop()
@@ -69,7 +69,7 @@ def readable(capture: Capture) -> bool:
 
 def taken(capture: Capture) -> Image:
     wait(lambda: readable(capture))
-    image = capture.take()
+    image = capture.pop_picture()
     assert image is not None
     return image
 
@@ -80,13 +80,13 @@ def test_the_camera_is_open_only_while_somebody_wants_pictures(camera: Scripted,
     capture.start()
     camera.pictures.put(1.0)
     assert taken(capture).taken == 1.0
-    assert (capture.take(), readable(capture), capture.rate) == (None, False, 1.0)
+    assert (capture.pop_picture(), readable(capture), capture.rate) == (None, False, 1.0)
     camera.time += 1.0
     assert capture.rate == 0.0
     capture.stop()
     camera.pictures.put(2.0)  # under way when it was stopped
     wait(lambda: camera.closed == 1)
-    assert (camera.opened, capture.take(), readable(capture), capture.fault) == (1, None, False, WELL)
+    assert (camera.opened, capture.pop_picture(), readable(capture), capture.fault) == (1, None, False, NO_TROUBLE)
 
 
 def test_the_newest_picture_wins_and_none_outlives_a_stop(camera: Scripted, capture: Capture) -> None:
@@ -94,11 +94,11 @@ def test_the_newest_picture_wins_and_none_outlives_a_stop(camera: Scripted, capt
     for number in range(5):
         camera.pictures.put(float(number))
     wait(lambda: capture.rate == 5.0)
-    assert (taken(capture).taken, capture.take()) == (4.0, None)
+    assert (taken(capture).taken, capture.pop_picture()) == (4.0, None)
     camera.pictures.put(5.0)
     wait(lambda: capture.rate == 6.0)
     capture.stop()
-    assert (readable(capture), capture.take()) == (False, None)
+    assert (readable(capture), capture.pop_picture()) == (False, None)
 
 
 def test_a_camera_that_is_unplugged_is_opened_again(camera: Scripted, capture: Capture) -> None:
@@ -107,24 +107,24 @@ def test_a_camera_that_is_unplugged_is_opened_again(camera: Scripted, capture: C
     wait(lambda: capture.fault == UNPLUGGED)
     camera.pictures.put(1.0)
     assert taken(capture).taken == 1.0
-    assert (capture.fault, camera.closed, camera.opened) == (WELL, 1, 2)
+    assert (capture.fault, camera.closed, camera.opened) == (NO_TROUBLE, 1, 2)
 
 
 def test_a_camera_that_hangs_is_a_fault_and_after_half_a_minute_the_end(camera: Scripted, capture: Capture) -> None:
     capture.start()
     wait(lambda: camera.reads == 1)
-    assert capture.fault == WELL
-    camera.time += it.HANGS
+    assert capture.fault == NO_TROUBLE
+    camera.time += subject.HANGS
     assert "does not answer" in capture.fault.what
     stuck = [capture.is_stuck]
     capture.stop()
-    camera.time += it.STUCK
+    camera.time += subject.STUCK
     stuck.append(capture.is_stuck)
     assert stuck == [False, True], "it holds the camera, though nobody looks"
     capture.start()
     camera.pictures.put(1.0)
     assert taken(capture).taken == 1.0
-    assert (capture.is_stuck, capture.fault, camera.opened) == (False, WELL, 1)
+    assert (capture.is_stuck, capture.fault, camera.opened) == (False, NO_TROUBLE, 1)
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
@@ -149,7 +149,7 @@ def listening(path: Path) -> socket.socket:
 def test_a_simulated_camera_that_says_nothing_hangs_and_one_that_is_started_again_is_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(it, "REOPEN_PERIOD", 0.01)
+    monkeypatch.setattr(subject, "REOPEN_PERIOD", 0.01)
     path = tmp_path / "camera.sock"
     listener = listening(path)
     capture = Capture(lambda: open_camera(str(path), 4, 3, 15.0))
@@ -167,7 +167,7 @@ def test_a_simulated_camera_that_says_nothing_hangs_and_one_that_is_started_agai
     pictures: list[Image] = []
 
     def came() -> bool:
-        pictures.extend(filter(None, [capture.take()]))
+        pictures.extend(filter(None, [capture.pop_picture()]))
         return bool(pictures)
 
     wait(came)

@@ -147,7 +147,7 @@ def test_it_goes_to_a_place_once_it_is_known_where_the_robot_is(alone: ProcessRo
 def is_blocked(robot: ProcessRobot) -> bool | None:
     """Whether the guard lets nothing through ahead; None: it was not heard yet."""
     state = robot.observer.newest(GUARD)
-    return None if state is None else state.forward.freedom == "blocked"
+    return None if state is None else state.forward.clearance == "blocked"
 
 
 def ends_blocked(robot: ProcessRobot) -> bool:
@@ -305,7 +305,7 @@ def test_guard_stands_between_it_and_the_wall(named: ProcessRobot, script: Robot
     def at_the_wall() -> bool:
         drive_on(script, 0.2, 0.0)
         with suppress(RobotError):
-            return script.guard().forward.freedom == "blocked"
+            return script.guard().forward.clearance == "blocked"
         return False
 
     wait(at_the_wall, PATIENCE, what=named.why, every=0.0)

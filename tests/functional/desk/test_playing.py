@@ -28,11 +28,11 @@ def test_however_fast_it_is_said_nothing_is_left_out(tmp_path: Path) -> None:
             done = alone.run("play", str(path), "--rate", "100")
             assert (done.returncode, done.stderr) == (0, "")
             assert f"as {REPLAY}: {count} samples" in done.stdout
-            heard.extend(subscriber.take())
+            heard.extend(subscriber.pop_all())
             return len(heard) >= count
 
         def last_has_come() -> bool:
-            heard.extend(subscriber.take())
+            heard.extend(subscriber.pop_all())
             return heard[-1].payload == recorded[-1].payload
 
         wait(is_said_to_all, 60.0, what="somebody who hears all of it")

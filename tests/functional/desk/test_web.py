@@ -355,7 +355,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         phone.wait(lambda: (estop := observer.newest(ESTOP)) is not None and estop.engaged, "a stop that base confirms")
         laptop.wait(lambda: f"STOPPED, {BY_WORD}" in laptop.told(), "a stop that is shown as confirmed")
         assert laptop.page.locator("#why").inner_text().startswith("STOPPED. "), laptop.told()
-        assert laptop.page.locator("[data-freedom=stopped]").count() == 4, laptop.told()
+        assert laptop.page.locator("[data-clearance=stopped]").count() == 4, laptop.told()
         laptop.page.get_by_role("button", name="STOP", exact=True).hover()
         laptop.page.mouse.down()
         laptop.wait(lambda: "STOPPED, not off: this robot's drive has no" in laptop.told(), "what base says of off")

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.keys.manage import RefusedError, standings
+from giraff_cli.keys.manage import RefusedError, statuses
 from tests.rules.repository import ROOT
 from tests.unit.keys.folders import NOW, authority, bundle, contents
 
@@ -43,11 +43,11 @@ def test_a_first_making_that_is_killed_at_any_operation_leaves_nothing_or_all(tm
     for tree in trees(tmp_path):
         folder = tree / "keys"
         if folder.exists():
-            assert standings(folder, NOW)[0].state == "ok"
+            assert statuses(folder, NOW)[0].state == "ok"
             bundle(folder, renew=(folder / "robot").exists())
         else:
             bundle(authority(folder))
-        [robot] = standings(folder, NOW)[1]
+        [robot] = statuses(folder, NOW)[1]
         assert robot.state == "ok"
         assert sorted(path.name for path in tree.iterdir()) == ["keys"]
         assert sorted(path.name for path in folder.iterdir()) == [".gitignore", "ca.key", "ca.pem", "robot"]
@@ -62,7 +62,7 @@ def test_a_renewal_that_is_killed_at_any_operation_leaves_the_old_or_the_new_bun
     was = contents(tmp_path / "before" / "keys" / "robot")
     renewed = []
     for tree in trees(tmp_path):
-        [robot] = standings(tree / "keys", NOW)[1]  # also takes up what was left
+        [robot] = statuses(tree / "keys", NOW)[1]  # also takes up what was left
         assert robot.state == "ok", tree
         renewed.append(contents(tree / "keys" / "robot") != was)
         assert sorted(path.name for path in (tree / "keys").iterdir()) == [".gitignore", "ca.key", "ca.pem", "robot"]

@@ -34,17 +34,17 @@ def main(role: str) -> None:
             if role == "talker" and pace.due(now):
                 out.put(Tick(epoch=1, robot_ns=said))
                 said += 1
-            sequences += [tick.seq for tick in inbox.take() if tick.instance != node.instance]
+            sequences += [tick.seq for tick in inbox.pop_all() if tick.instance != node.instance]
             if role == "listener" and len(sequences) >= 50:
-                [last] = newest.take()
+                [last] = newest.pop_all()
                 gapless = sequences == list(range(sequences[0], sequences[0] + len(sequences)))
                 # Each subscriber is called in a thread of its own, which may be late. The oldest is the first of them.
                 print(f"heard gapless={gapless} newest={last.seq >= sequences[len(sequences) // 2]}", flush=True)
                 sequences.clear()
-            for asked in requests.take() if role == "talker" else ():
+            for asked in requests.pop_all() if role == "talker" else ():
                 reason = asked.request.reason.what
                 asked.answer(EStopAnswer(done=reason != "refuse", engaged=True, id=said, reason=Trouble(reason)))
-            for asked in requests.take() if role == "sleepy" else ():
+            for asked in requests.pop_all() if role == "sleepy" else ():
                 print("hangs", flush=True)
                 while not Path(asked.request.reason.what).exists():
                     time.sleep(0.01)

@@ -13,7 +13,7 @@ import msgspec
 from giraff_schemas.codec import decode
 from giraff_schemas.topics import GUARD, WHEELS
 head = dict(seq=1, stamp_ns=1, instance="a")
-verdict = dict(allowed=1.0, freedom="free", sensor="")
+verdict = dict(allowed=1.0, clearance="free", sensor="")
 ways = dict.fromkeys(("forward", "backward", "turn_left", "turn_right"), verdict)
 counts = dict.fromkeys(("left_ticks", "right_ticks", "left_pwm_counts", "right_pwm_counts", "board_us", "boot_id"), 1)
 said = {

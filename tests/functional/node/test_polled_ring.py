@@ -29,7 +29,7 @@ def test_rubbish_between_two_turns_pushes_out_no_sample_before_it(tmp_path: Path
         taken: list[int] = []
 
         def have_come() -> bool:
-            taken.extend(tick.robot_ns for tick in inbox.take())
+            taken.extend(tick.robot_ns for tick in inbox.pop_all())
             return len(taken) >= 3
 
         wait(have_come, 20.0)

@@ -35,7 +35,7 @@ class Subscribers:
     def turn(self, _now: float) -> None:
         self._inside += 1
         self.overlaps += self._inside != 1
-        self.taken += sum(1 for _ in self._inbox.take())
+        self.taken += sum(1 for _ in self._inbox.pop_all())
         time.sleep(0.0)  # what comes now is for the next turn
         self._inside -= 1
 

@@ -32,7 +32,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
 @pytest.fixture
 def robot(running: ProcessRobot) -> ProcessRobot:
     """Nothing is unplugged, cut, or soldered in another way."""
-    running.simulator.solder(Wiring(0))
+    running.simulator.rewire(Wiring(0))
     running.simulator.cut_encoder("left", cut=False)
     running.simulator.plug("base")
     return running
@@ -75,7 +75,7 @@ def answers(wiring: Wiring) -> str:
     ],
 )
 def test_a_wiring_is_found_proved_and_written(robot: ProcessRobot, robot_file: Path, wiring: Wiring) -> None:
-    robot.simulator.solder(wiring)
+    robot.simulator.rewire(wiring)
     with check(robot, robot_file) as process:
         out, err = process.communicate(answers(wiring), timeout=PATIENCE)
     assert (process.returncode, err) == (0, ""), out

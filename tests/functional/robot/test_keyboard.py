@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.support.keyboard_user import drive, drive_by, hold, keyboard, press_until, take
 from tests.support.process_robot import PATIENCE, ProcessRobot, process_robot
-from tests.support.typist import drive, drive_by, hold, keyboard, press_until, take
 
 
 @pytest.fixture(scope="module")

@@ -16,10 +16,10 @@ import pytest
 from giraff_core.estop.request import BY_WORD
 from giraff_sim.board import ROOT
 from tests.support.elsewhere import GIRAFF
+from tests.support.keyboard_user import hold, take
 from tests.support.process_robot import PATIENCE
 from tests.support.sites import Sites
 from tests.support.terminals import Screen, screen
-from tests.support.typist import hold, take
 from tests.support.waiting import wait
 
 HOME = "home"

@@ -19,10 +19,10 @@ from giraff_schemas.services import SIMULATED
 from giraff_schemas.topics import TRUE_POSE, alive_key
 from giraff_sim.board import ROOT
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
+from tests.support.keyboard_user import hold, take
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import GIRAFF, PROCESSES, SMALL_ROOM, Command, command_in, line_of
 from tests.support.terminals import screen
-from tests.support.typist import hold, take
 
 BACK_AND_FORTH = "t,x,y,z\n0,0,0,9.81\n" + "".join(
     f"{at + 1},0,0,9.81\n{at + 1.3},{tilt},0,8.4\n{at + 3.7},{tilt},0,8.4\n{at + 4},0,0,9.81\n"

@@ -45,7 +45,7 @@ def until(seen: Callable[[], object]) -> None:
 
 def take(node: RosNode, heard: list[Received | Refused]) -> int:
     """Add what has come; return how many there are."""
-    heard += node.take()
+    heard += node.pop_all()
     return len(heard)
 
 

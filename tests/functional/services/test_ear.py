@@ -30,7 +30,7 @@ def test_each_sample_comes_with_its_key_its_bytes_and_its_encoding(session: zeno
     session.put("giraff/berta/odom", b"another robot's")
     session.put("giraff/anna/empty", b"")
     session.delete("giraff/anna/own")
-    taken = hears.take()
+    taken = hears.pop_all()
     assert [(one.key, one.payload, one.encoding) for one in taken if one.key.endswith("odom")] == [
         ("giraff/anna/odom", bytes([number]), "application/msgpack") for number in range(3)
     ]
@@ -39,13 +39,13 @@ def test_each_sample_comes_with_its_key_its_bytes_and_its_encoding(session: zeno
     assert [one.at_ns for one in taken] == sorted(one.at_ns for one in taken)
     session.put("giraff/anna/odom", b"later", encoding="application/msgpack")
     session.put("giraff/anna/own", b"{}", encoding="application/json")
-    assert [(one.payload, one.encoding) for one in hears.take()] == [
+    assert [(one.payload, one.encoding) for one in hears.pop_all()] == [
         (b"later", "application/msgpack"),
         (b"{}", "application/json"),
     ]
     hears.close()
     session.put("giraff/anna/odom", b"to nobody")
-    assert (hears.take(), hears.overrun) == ([], 0)
+    assert (hears.pop_all(), hears.overrun) == ([], 0)
 
 
 def test_what_cannot_wait_is_counted(session: zenoh.Session, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -54,6 +54,6 @@ def test_what_cannot_wait_is_counted(session: zenoh.Session, monkeypatch: pytest
     for number in range(8):
         session.put("giraff/anna/odom", bytes([number]) * 2)
     assert hears.overrun == 3
-    assert [one.payload[0] for one in hears.take()] == [3, 4, 5, 6, 7]
+    assert [one.payload[0] for one in hears.pop_all()] == [3, 4, 5, 6, 7]
     assert hears.overrun == 3
     hears.close()

@@ -17,7 +17,7 @@ PROGRAM = """
 import os, signal, sys
 from types import SimpleNamespace as Some
 from giraff_keyboard.terminal import Terminal
-view = Some(topics=(), take=None, draw=lambda _, text, now: Some(render=lambda: text))
+view = Some(topics=(), on_sample=None, draw=lambda _, text, now: Some(render=lambda: text))
 with Terminal(view, None) as terminal:
     terminal.show(None, "ready", 0.0)
     while not terminal.is_gone:

@@ -17,12 +17,12 @@ import msgspec
 import pytest
 
 from giraff_schemas.messages import EStop
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.limits import Allowance, Limits
 from giraff_web.messages import LARGEST, Looking, Refused
 from giraff_web.pages import Closed, Opened, StopAsked
 from giraff_web.server.connection import Connection
-from giraff_web.server.doorman import Doorman, Guarded
+from giraff_web.server.connection_limiter import ConnectionLimiter, Guarded
 from giraff_web.server.server import PortError, Server
 from tests.support.web_pages import HOST, IPHONE, STOP, Desk, browser, closed, desk, page, sign_in, told, trying, wish
 
@@ -154,7 +154,7 @@ def test_a_page_gets_no_picture_that_waits_for_it_once_it_looks_no_longer(tmp_pa
                 it.show()
                 assert (await told(socket))["n"] == n
             it.server.send_picture(number, b"picture")
-            it.server.tell(number, Looking(on=False, why=WELL))
+            it.server.send(number, Looking(on=False, why=NO_TROUBLE))
             assert (await told(socket))["type"] == "looking"
             await socket.send_str('{"type": "seen", "n": 3}')
             for n in (4, 5):
@@ -197,7 +197,7 @@ def test_stop_gets_through_a_crowd_that_costs_little(tmp_path: Path, sent: bytes
     crowd_of = [crowded, *(f"127.0.1.{n}" for n in range(1, addresses))]
 
     async def course(it: Desk) -> None:
-        doorman = await doorman_of(it)
+        limiter = await doorman_of(it)
         limits = Limits()
         begun = sent[:1] == b"\x16"
         kept = limits.handshakes if begun else limits.bare
@@ -210,7 +210,7 @@ def test_stop_gets_through_a_crowd_that_costs_little(tmp_path: Path, sent: bytes
                     caller.connect((HOST, it.server.port))
                     with contextlib.suppress(ConnectionError):  # an idle one is sent away
                         caller.sendall(sent)
-                await it.until(lambda: len(doorman.handshakes if begun else doorman.bare) == most)
+                await it.until(lambda: len(limiter.handshakes if begun else limiter.bare) == most)
                 for address in (crowded, other):
                     async with browser(it, address=address) as session, session.post(f"{it.url}/stop") as answer:
                         assert answer.status == 202
@@ -219,8 +219,8 @@ def test_stop_gets_through_a_crowd_that_costs_little(tmp_path: Path, sent: bytes
                 assert [stop.device for stop in it.of(StopAsked)] == [
                     f"iPhone at {address}" for address in (crowded, other, crowded)
                 ]
-                assert len(doorman.connections) <= 3
-                assert len(doorman.bare) <= limits.bare.most
+                assert len(limiter.connections) <= 3
+                assert len(limiter.bare) <= limits.bare.most
                 assert tls_of_servers() <= limits.handshakes.most + 4
 
     gc.collect()
@@ -296,10 +296,10 @@ def test_a_request_to_stop_is_answered_with_bases_word(tmp_path: Path) -> None:
     trying(tmp_path, course, limits=Limits()._replace(stops=Limits().stops._replace(patience=20.0)))
 
 
-async def doorman_of(it: Desk) -> Doorman:
-    await it.until(lambda: it.server._doorman is not None)
-    assert it.server._doorman is not None
-    return it.server._doorman
+async def doorman_of(it: Desk) -> ConnectionLimiter:
+    await it.until(lambda: it.server._connection_limiter is not None)
+    assert it.server._connection_limiter is not None
+    return it.server._connection_limiter
 
 
 def socket_from(address: str) -> socket.socket:
@@ -318,8 +318,8 @@ def test_an_idle_connection_ends(tmp_path: Path) -> None:
                 assert answer.status == 202
             with socket_from(HOST) as silent:
                 silent.connect((HOST, it.server.port))
-                doorman = await doorman_of(it)
-                await it.until(lambda: len(doorman) == 0)
+                limiter = await doorman_of(it)
+                await it.until(lambda: len(limiter) == 0)
                 assert silent.recv(1) == b""
 
     trying(tmp_path, course, limits=Limits()._replace(bare=SHORT, connections=SHORT))
@@ -331,12 +331,12 @@ def test_what_came_and_went_leaves_nothing(tmp_path: Path) -> None:
             for _ in range(30):
                 async with page(it, session) as socket:
                     await socket.send_str(STOP)
-            doorman = await doorman_of(it)
+            limiter = await doorman_of(it)
             it.show(1000)
             assert len(it.server._box) <= 90  # nobody has taken anything yet
             await it.until(lambda: len(it.of(Closed)) == len(it.of(Opened)))
             await it.until(lambda: not it.server._connections)
-        await it.until(lambda: len(doorman) == 0)
+        await it.until(lambda: len(limiter) == 0)
         gc.collect()
         left = [type(each) for each in gc.get_objects() if isinstance(each, Connection | Guarded)]
         assert len(left) < 10, left
@@ -366,7 +366,7 @@ def test_it_ends_with_pages_open_and_tells_them(tmp_path: Path) -> None:
             assert await closed(socket) == (1001, "the service ends")
             await ending  # though the second one never answered
             assert not it.server._thread.is_alive()
-            it.server.tell(1, Refused(why=WELL))  # to nobody
+            it.server.send(1, Refused(why=NO_TROUBLE))  # to nobody
             it.show()
 
     trying(tmp_path, course)

@@ -232,9 +232,9 @@ def test_plain_http_is_told_the_address_in_one_line(tmp_path: Path, sent: list[b
         assert head.partition("\r\n")[0] == answer
         assert body == (f"This page speaks https: open {it.url}/\n" if answer else "")
         assert "evil" not in head
-        doorman = it.server._doorman
-        assert doorman is not None
-        await it.until(lambda: len(doorman) == 0)  # though the caller keeps it open
+        limiter = it.server._connection_limiter
+        assert limiter is not None
+        await it.until(lambda: len(limiter) == 0)  # though the caller keeps it open
         writer.close()
         assert (it.events, it.log) == ([], [])
 

@@ -81,7 +81,7 @@ def test_a_client_speaks_in_types(socket_path: Path, simulation: Simulation) -> 
         with pytest.raises(SimulatorError, match="no base board here"):
             client.reset("base")
         with pytest.raises(SimulatorError, match="no base board here"):
-            client.solder(Wiring.SWAP_MOTORS)
+            client.rewire(Wiring.SWAP_MOTORS)
         assert client.now() == 0  # and goes on
     assert simulation.world.sonars[1].fault is SonarFault.WILD
     assert simulation.world.sonars[2].wild_share == 0.05

@@ -26,7 +26,7 @@ from giraff_schemas.messages import Odometry, Range, RobotTime, Wheels
 from giraff_schemas.wire import RangeFault, RangeFrame, RangeState
 from giraff_sim import truth as truth_module
 from giraff_sim.board import BUILD
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.registry import world_of
 from giraff_sim.bodies.wheels import plant as plant_module
 from giraff_sim.bodies.wheels.plant import STATES_PER_TICK
 from giraff_sim.config import SimConfig

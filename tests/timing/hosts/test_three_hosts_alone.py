@@ -11,8 +11,8 @@ import pytest
 
 from tests.hosts.lab import NUMBERS, Lab
 from tests.hosts.machine import BIN
+from tests.support.keyboard_user import FREE, hold, take
 from tests.support.terminals import screen
-from tests.support.typist import FREE, hold, take
 
 Figure = Callable[[str, float, float, str], None]
 

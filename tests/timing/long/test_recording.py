@@ -133,13 +133,13 @@ def as_played(robot: ProcessRobot, path: Path) -> dict[str, Any]:
         with giraff_process(robot, *words) as player:
 
             def has_ended() -> bool:
-                heard.extend(subscriber.take())
+                heard.extend(subscriber.pop_all())
                 return player.poll() is not None
 
             wait(has_ended, SECONDS, what="the end of giraff play", every=0.2)
             output, _ = player.communicate()
         time.sleep(1.0)  # the last may be on their way
-        heard += subscriber.take()
+        heard += subscriber.pop_all()
     require_the_same(heard, recorded, REPLAY)
     played: dict[str, Any] = msgspec.json.decode(output)
     return {"times_as_fast": FASTER, "samples": played["samples"], "seconds": played["seconds"]}

@@ -230,7 +230,7 @@ class Events:
         self.rig.say(msgspec.structs.replace(command, linear_x=0.6, hand_neutral=False) if forged else command)
 
     def check(self, sent: Sent) -> None:
-        asked = self.rig.base._authority._command
+        asked = self.rig.base._permission._command
         assert sent.state.driving == sent.moves
         if sent.moves:
             assert self.checked

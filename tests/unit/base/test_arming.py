@@ -261,18 +261,18 @@ def test_starting_is_a_reason_too(rig: Rig) -> None:
 def test_what_a_drive_forbids_disarms_until_it_is_put_right(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     rig.drive(0.3)
     lies = Trouble("the robot is off and not upright", "hold it upright and still")
-    monkeypatch.setattr(WheelsDrive, "forbids", lies)
+    monkeypatch.setattr(WheelsDrive, "arming_block", lies)
     assert moving(rig.run(0.5)) == []
     rig.tilt(0.0)
     rig.run(0.6)
     assert (rig.base.state().armed, rig.base.reason) == (False, lies)
-    monkeypatch.setattr(WheelsDrive, "forbids", Trouble())
+    monkeypatch.setattr(WheelsDrive, "arming_block", Trouble())
     rig.arm()
 
 
 def test_what_a_drive_notices_is_told_and_stops_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     rig, rolls = Rig(), Trouble("the wheels turn without power")
-    monkeypatch.setattr(WheelsDrive, "notice", rolls)
+    monkeypatch.setattr(WheelsDrive, "warning", rolls)
     rig.drive(0.3)
     assert moving(rig.run(0.5)) != []
     assert rig.base.faults["rolling"] == rolls

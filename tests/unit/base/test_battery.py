@@ -11,7 +11,7 @@ from giraff_base.battery import BatteryWatch
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_core.live import Live
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Latch
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import CONFIG, Rig, moving
@@ -26,7 +26,7 @@ def charge(rig: Rig, volts: float) -> None:
 def test_a_low_battery_halves_the_speed_and_warns(driven: Rig) -> None:
     charge(driven, 21.6)
     assert driven.run(4.9)[-1].levels == (70, 70)
-    assert driven.base.faults["battery"] == WELL
+    assert driven.base.faults["battery"] == NO_TROUBLE
     assert driven.run(0.2)[-1].levels == (35, 35)
     assert str(driven.base.state().reason) == "slowed: the battery is low at 21.6 V; charge it"
     assert driven.base.faults["battery"] == Trouble("the battery is low at 21.6 V", "charge it")
@@ -41,7 +41,7 @@ def test_a_battery_that_rests_is_not_charged(driven: Rig) -> None:
     charge(driven, 22.6)
     assert driven.run(4.9)[-1].levels == (35, 35)
     assert driven.run(1.0)[-1].levels == (70, 70)
-    assert driven.base.faults["battery"] == WELL
+    assert driven.base.faults["battery"] == NO_TROUBLE
 
 
 EMPTY = "the battery is empty at 19.8 V; charge it to 22 V, then run `giraff estop reset` to release it"
@@ -143,7 +143,7 @@ def test_a_charge_is_a_volt_more_of_a_robot_that_rests_and_nothing_else() -> Non
     ):
         for _ in range(60 * lasts):
             moment += 1
-            watch.take(volts + chance.gauss(0.0, 0.15), moment * 1_000_000_000, rests=rests)
+            watch.on_voltage(volts + chance.gauss(0.0, 0.15), moment * 1_000_000_000, rests=rests)
         seen.append(watch.since_charge)
     assert seen[:4] == [None] * 4
     assert seen[4:] == pytest.approx([0.0, 0.0, 360.0, 3600.0], abs=61.0)
@@ -156,7 +156,7 @@ def test_dips_under_load_neither_slow_nor_stop(driven: Rig, dip: float) -> None:
         assert driven.run(dip)[-1].levels == (70, 70)
         charge(driven, 24.0)
         assert driven.run(dip)[-1].levels == (70, 70)
-    assert driven.base.faults["battery"] == WELL
+    assert driven.base.faults["battery"] == NO_TROUBLE
 
 
 def test_a_robot_that_stops_again_and_again_does_not_hide_an_empty_battery(driven: Rig) -> None:
@@ -187,7 +187,7 @@ def test_dips_on_both_sides_of_a_lost_link_are_two(driven: Rig) -> None:
     driven.connected = True
     driven.base.on_link_opened(session=100)
     driven.run(1.0)
-    assert driven.base.faults["battery"] == WELL
+    assert driven.base.faults["battery"] == NO_TROUBLE
 
 
 def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
@@ -197,7 +197,7 @@ def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
     for _ in range(6):
         for _ in range(100):
             moment += 10_000_000
-            watch.take(19.0, moment, rests=False)
+            watch.on_voltage(19.0, moment, rests=False)
         stops.append(bool(watch.stops))
         moment += 3_000_000_000
     assert stops == [False] * 5 + [True]
@@ -207,15 +207,15 @@ def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
     rig = Rig(drive=msgspec.structs.replace(DRIVE, battery_volts_per_count=0.0))
     rig.board.battery_adc_counts = 0
     rig.run(6.0)
-    assert rig.base.faults["battery"] == WELL
+    assert rig.base.faults["battery"] == NO_TROUBLE
     rig.drive(0.6)
 
 
 def test_limits_that_are_off_never_apply() -> None:
     watch = BatteryWatch(Live(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=0.0)))
     for second in range(100):
-        watch.take(0.0, second * 1_000_000_000, rests=False)
-    assert (watch.share, watch.warning, watch.stops) == (1.0, WELL, WELL)
+        watch.on_voltage(0.0, second * 1_000_000_000, rests=False)
+    assert (watch.share, watch.warning, watch.stops) == (1.0, NO_TROUBLE, NO_TROUBLE)
 
 
 def test_a_cutoff_alone_needs_half_a_volt_more_to_drive_again() -> None:
@@ -224,7 +224,7 @@ def test_a_cutoff_alone_needs_half_a_volt_more_to_drive_again() -> None:
     for volts, stops in ((19.0, True), (20.4, True), (20.5, False)):
         for _ in range(10):
             moment += 1_000_000_000
-            watch.take(volts, moment, rests=False)
+            watch.on_voltage(volts, moment, rests=False)
         assert bool(watch.stops) == stops
         assert watch.share == 1.0
 

@@ -225,7 +225,7 @@ def test_what_others_write_into_the_latch_steers_no_terminal(rig: Rig) -> None:
     )
     for action, argument in rows:
         edited = EStopLatch(engaged=True, id=1, by=ODD, reason=Trouble(ODD, ODD, action, ODD))
-        shown = EStopControl(edited, 1.0, knows_off=False).latch
+        shown = EStopControl(edited, 1.0, can_power_off=False).latch
         assert (shown.by, shown.reason) == (PLAIN, Trouble(PLAIN, PLAIN, "release", argument)), action
     rig.base.on_reset(EStopReset(by=ODD, id=rig.base.latch.id, tick=rig.ago(0.0)), rig.now)
     assert (rig.base.latch.engaged, rig.base.latch.by) == (False, PLAIN)

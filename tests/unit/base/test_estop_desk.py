@@ -10,7 +10,7 @@ import pytest
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.estop_server import EStopServer
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import EstopFrame, Latch
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import Rig, moving
@@ -86,12 +86,12 @@ class Office:
 
     def engage(self, by: str = "keyboard") -> Asked[EStopEngage]:
         asked = Asked(EStopEngage(by=by, reason=Trouble("space bar")))
-        self.desk.take([asked], [], self.rig.now)
+        self.desk.on_requests([asked], [], self.rig.now)
         return asked
 
     def reset(self, age: float = 0.0) -> Asked[EStopReset]:
         asked = Asked(EStopReset(by="carer", id=self.rig.base.latch.id, tick=self.rig.ago(age)))
-        self.desk.take([], [asked], self.rig.now)
+        self.desk.on_requests([], [asked], self.rig.now)
         return asked
 
 
@@ -135,7 +135,7 @@ def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_o
     assert (asked.only.done, asked.only.engaged, asked.only.id) == (True, True, office.rig.base.latch.id)
     assert (asked.only.instance, asked.only.board_reached) == ("base-1", True)
     assert office.disk.content == office.rig.base.latch
-    assert office.desk.fault == WELL
+    assert office.desk.fault == NO_TROUBLE
 
 
 def test_base_tells_who_stops_it_that_its_board_is_not_reached(office: Office) -> None:
@@ -199,7 +199,7 @@ def test_a_stop_is_on_a_disk_that_works_again_whether_or_not_anybody_asks_again(
     office.disk.trouble = ""
     office.go_on(0.12)
     assert office.disk.content == office.rig.base.latch
-    assert office.desk.fault == WELL
+    assert office.desk.fault == NO_TROUBLE
 
 
 def test_asking_again_on_a_mended_disk_is_confirmed_at_once(office: Office) -> None:
@@ -253,7 +253,7 @@ def test_a_reset_that_the_disk_is_too_slow_for_is_given_up(stopped: Office) -> N
     stopped.go_on(1.0)
     assert stopped.rig.base.latch.engaged
     assert stopped.disk.content == stopped.rig.base.latch
-    assert stopped.desk.fault == WELL
+    assert stopped.desk.fault == NO_TROUBLE
 
 
 def test_a_reset_that_is_refused_by_the_time_it_is_on_disk_is_answered_so_and_written_back(office: Office) -> None:
@@ -306,7 +306,7 @@ def test_an_engaging_takes_back_a_reset_that_is_being_written(stopped: Office, o
 def test_of_two_who_ask_in_one_turn_who_stops_wins(stopped: Office) -> None:
     reset = Asked(EStopReset(by="carer", id=stopped.rig.base.latch.id, tick=stopped.rig.ago(0.1)))
     engage = Asked(EStopEngage(by="keyboard", reason=Trouble("space bar")))
-    stopped.desk.take([engage], [reset], stopped.rig.now)
+    stopped.desk.on_requests([engage], [reset], stopped.rig.now)
     stopped.go_on(0.1)
     assert not reset.only.done
     assert engage.only.done

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.base.rig import Rig, moving
 
 
@@ -26,7 +26,7 @@ def test_a_late_sample_of_a_guard_that_has_gone_does_nothing(driven: Rig, age: f
         driven.say(stray)
         assert driven.run(0.02)[-1].levels == (70, 70)
     assert driven.base.state().armed
-    assert driven.base.faults["guard"] == WELL
+    assert driven.base.faults["guard"] == NO_TROUBLE
 
 
 @pytest.mark.parametrize("age", [0.0, 0.2])
@@ -60,7 +60,7 @@ def test_a_second_guard_is_no_longer_named_when_both_have_gone(armed: Rig) -> No
     armed.say(msgspec.structs.replace(armed.command(), instance="guard-2"))
     armed.guard_speaks = False
     armed.run(0.6)
-    assert armed.base.faults["guard"] == WELL
+    assert armed.base.faults["guard"] == NO_TROUBLE
     assert "the guard is not heard" in str(armed.base.state().reason)
 
 
@@ -80,7 +80,7 @@ def test_a_second_guard_that_has_ended_is_no_longer_named(armed: Rig) -> None:
     armed.run(0.4)
     assert armed.base.faults["guard"]
     armed.run(0.2)
-    assert armed.base.faults["guard"] == WELL
+    assert armed.base.faults["guard"] == NO_TROUBLE
     armed.drive(0.3)
 
 
@@ -92,7 +92,7 @@ def test_a_restarted_guard_is_bound_after_half_a_second_of_silence(armed: Rig) -
         armed.step()
         assert armed.robot_ns - last_heard < 1_000_000_000
     assert armed.robot_ns - last_heard == 500_000_000
-    assert armed.base.faults["guard"] == WELL
+    assert armed.base.faults["guard"] == NO_TROUBLE
 
 
 def test_a_restarted_guard_is_bound_only_at_rest(driven: Rig) -> None:

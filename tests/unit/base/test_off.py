@@ -18,7 +18,7 @@ from tests.unit.base.test_estop import ENGAGED, engage, reset
 def asked_of_a_drive_that_knows_off(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     """Make the rig's drive know off, and return what `hold` is told."""
     told: list[bool] = []
-    monkeypatch.setattr(WheelsDrive, "knows_off", True)
+    monkeypatch.setattr(WheelsDrive, "can_power_off", True)
     monkeypatch.setattr(WheelsDrive, "hold", lambda _, *, off: told.append(off))
     return told
 
@@ -46,14 +46,14 @@ def test_off_is_asked_for_by_its_own_word_and_ended_by_a_reset_alone(monkeypatch
     assert not rig.base.estop().off
 
 
-@pytest.mark.parametrize("knows_off", [True, False])
-def test_a_board_that_switches_off_under_an_engaged_stop_turns_it_into_off(knows_off: bool) -> None:
-    control = EStopControl(ENGAGED, 1.0, knows_off=knows_off)
+@pytest.mark.parametrize("can_power_off", [True, False])
+def test_a_board_that_switches_off_under_an_engaged_stop_turns_it_into_off(can_power_off: bool) -> None:
+    control = EStopControl(ENGAGED, 1.0, can_power_off=can_power_off)
     cord = EStopEngage(by="base board", reason=Trouble("the cord was pulled"), off=True)
-    assert control.is_news(cord) == knows_off
+    assert control.is_news(cord) == can_power_off
     assert not control.is_news(msgspec.structs.replace(cord, off=False))
     control.engage(cord, RobotTime(epoch=EPOCH, robot_ns=1))
-    assert control.latch.off == knows_off
+    assert control.latch.off == can_power_off
     assert not control.is_news(cord)
 
 

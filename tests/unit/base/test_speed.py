@@ -10,7 +10,7 @@ import pytest
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.words import limit
 from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, SpeedFlag, SpeedFrame
 from tests.support.robots import BY_SPEED, DRIVE
 from tests.unit.base.rig import CONFIG, ROBOT, Board, Rig, moving
@@ -132,7 +132,7 @@ def test_a_wheel_at_its_limit_is_named_and_drives_on(at_speed: Rig) -> None:
     assert (state.armed, state.driving) == (True, True)
     assert str(state.reason) == "at its limit: the wheels cannot do what is asked; the battery may be low"
     at_speed.board.speed_flags = SpeedFlag(0)
-    assert at_speed.run(0.01)[-1].state.reason == WELL
+    assert at_speed.run(0.01)[-1].state.reason == NO_TROUBLE
 
 
 def test_a_board_with_a_potentiometer_may_be_at_its_limit_by_that() -> None:
@@ -148,7 +148,7 @@ def test_a_limit_is_named_after_all_else_and_of_a_robot_that_drives(at_speed: Ri
     at_speed.reason = ""
     at_speed.tilt(0.0)
     at_speed.run(0.04)
-    assert at_speed.base.state().reason == WELL
+    assert at_speed.base.state().reason == NO_TROUBLE
     at_speed.run(CONFIG.arm_time)
     at_speed.source = "fault"
     at_speed.run(0.04)

@@ -64,7 +64,7 @@ class Person:
         self.shown: list[str] = []
         """Of each question: what was shown at its end."""
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         self.told.append(text)
         if found := re.search(r"Run \d+ of \d+: (\w+ \w+)", text):
             self._leg = found[1]

@@ -143,7 +143,7 @@ class Person:
         self._answer = answer
         self.told: list[str] = []
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         self.told.append(text)
 
     def ask(self, question: str, meanwhile: Callable[[], str]) -> str:
@@ -159,7 +159,7 @@ class Shown:
         still = [each for view in taken.boards for each in (view, view)]
         self._left = iter([*moving, *still, *(each for one in taken.sheets for each in (one, one))])
 
-    def take(self) -> bytes | None:
+    def pop_picture(self) -> bytes | None:
         return next(self._left)
 
     def trouble(self) -> str:

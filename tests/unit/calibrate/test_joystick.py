@@ -121,7 +121,7 @@ class Person:
 
     def __init__(self, *_: object) -> None: ...
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         self.told.append(text)
         assert len(self.told) < 20, "asked again and again"
 

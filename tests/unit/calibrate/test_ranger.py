@@ -14,7 +14,7 @@ import pytest
 from giraff_cli.calibrate.ranger import stand
 from giraff_cli.calibrate.ranger.command import guide
 from giraff_cli.calibrate.ranger.conclusion import bounded, placed, warning
-from giraff_cli.calibrate.ranger.fit import Echo, Found
+from giraff_cli.calibrate.ranger.fit import Echo, SensorFit
 from giraff_cli.calibrate.ranger.heard import Hearing
 from giraff_cli.calibrate.ranger.procedure import Measured, StoppedError, measure
 from giraff_cli.terminal.human import NobodyError
@@ -221,7 +221,7 @@ def test_a_sensor_that_is_alone_at_its_side_afterwards_needs_that_yes_too() -> N
 
 def test_a_sensor_that_the_guard_would_no_longer_count_stays_as_it_is() -> None:
     before = msgspec.structs.replace(ROBOT.sensors["front_left"], yaw=math.radians(44.0))
-    found = Found(x=0.25, x_sd=0.001, scale=1.0, scale_sd=0.001, yaw=math.radians(46.0), yaw_sd=0.01)
+    found = SensorFit(x=0.25, x_sd=0.001, scale=1.0, scale_sd=0.001, yaw=math.radians(46.0), yaw_sd=0.01)
     measured = bounded(before, Measured(before, found))
     assert measured.found is None
     assert "more than 45° aside" in measured.why
@@ -286,15 +286,15 @@ def turned(ns: int, yaw: float, breaks: int = 0) -> Odometry:
 
 def test_a_ping_has_the_raw_echo_and_the_pose_of_its_moment() -> None:
     hearing = Hearing()
-    hearing.hear(turned(1_000, 0.0))
-    hearing.hear(Range(sensor="rear", state="echo", range=9.0, echo_us=5800, tick=at(1_500)))
+    hearing.on_sample(turned(1_000, 0.0))
+    hearing.on_sample(Range(sensor="rear", state="echo", range=9.0, echo_us=5800, tick=at(1_500)))
     assert hearing.echoes == []
-    hearing.hear(turned(2_000, 0.2))
+    hearing.on_sample(turned(2_000, 0.2))
     assert hearing.echoes == [Echo("rear", 1.0, Pose(1.0, 0.0, 0.1))]
-    hearing.hear(Lease(instance="g", holder="m-1", operator="motion", counter=1))
+    hearing.on_sample(Lease(instance="g", holder="m-1", operator="motion", counter=1))
     assert hearing.motion_holds_lease
     assert not hearing.fault
-    hearing.hear(turned(3_000, 0.2, breaks=1))
+    hearing.on_sample(turned(3_000, 0.2, breaks=1))
     assert "begin again" in hearing.fault
 
 

@@ -135,7 +135,7 @@ class TapePerson:
         self.told: list[str] = []
         self.asked: list[str] = []
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         self.told.append(text)
 
     def ask(self, question: str, meanwhile: Callable[[], str]) -> str:

@@ -90,7 +90,7 @@ class Scene:
             if viewer.size != viewer.asker.size:
                 viewer.size = viewer.asker.size
                 viewer.asker.listen(viewer.size)
-        policy.look(now)
+        policy.update(now)
         if now >= self._next_state:
             self._next_state += 1.0 / CAMERA_STATE.rate_hz
             self._say_state()

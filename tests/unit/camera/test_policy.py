@@ -68,7 +68,7 @@ def test_a_word_that_comes_once_more_counts_once() -> None:
     policy.on_hold(stamped(hold(), 7, 0, "me"), 0.1)
     policy.on_state_sent(1, 1.5)
     policy.on_hold(stamped(hold(state=1), 7, 0, "me"), 1.6)
-    policy.look(HOLD_ENDS)
+    policy.update(HOLD_ENDS)
     assert not shown(policy)
 
 
@@ -93,9 +93,9 @@ def test_a_late_word_turns_nothing_on() -> None:
     policy.on_hold(hold(to="the camera before its restart"), 1.0)
     assert not shown(policy)
     policy.on_hold(hold(), 1.0)
-    policy.look(1.0)
+    policy.update(1.0)
     assert shown(policy) == ["me"]
-    policy.look(HOLD_ENDS)  # counted from the state that it has answered
+    policy.update(HOLD_ENDS)  # counted from the state that it has answered
     assert not shown(policy)
 
 

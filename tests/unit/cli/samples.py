@@ -18,9 +18,10 @@ from giraff_schemas.messages import (
     BaseState,
     Battery,
     BoardState,
+    Clearance,
+    DirectionLimit,
     DriveCommand,
     EStop,
-    Freedom,
     GuardedCommand,
     GuardState,
     Lease,
@@ -31,12 +32,11 @@ from giraff_schemas.messages import (
     SensorState,
     Tick,
     Tilt,
-    Verdict,
     Wheels,
 )
 from giraff_schemas.motion import IDLE
 from giraff_schemas.topics import Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_telemetry.collector import Telemetry
 
 SENSORS = ("front_left", "front_right", "rear")
@@ -132,12 +132,12 @@ def attitude(robot_ns: int, posture: str = "stands", cause: str = "") -> Attitud
 
 
 def verdict(
-    allowed: float = 1.0, freedom: Freedom = "free", sensor: str = "", reason: str = "", way_out: str = ""
-) -> Verdict:
-    return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=Trouble(reason, way_out))
+    allowed: float = 1.0, clearance: Clearance = "free", sensor: str = "", reason: str = "", remedy: str = ""
+) -> DirectionLimit:
+    return DirectionLimit(allowed=allowed, clearance=clearance, sensor=sensor, reason=Trouble(reason, remedy))
 
 
-def guard(forward: Verdict) -> GuardState:
+def guard(forward: DirectionLimit) -> GuardState:
     return GuardState(
         forward=forward,
         backward=verdict(),
@@ -175,7 +175,7 @@ def base(
 
 def estop(*, engaged: bool = False) -> EStop:
     smoke = Trouble("smoke", SEE_THAT_IT_MAY, "release")
-    return EStop(engaged=engaged, id=3, by="ann@desk" if engaged else "", reason=smoke if engaged else WELL)
+    return EStop(engaged=engaged, id=3, by="ann@desk" if engaged else "", reason=smoke if engaged else NO_TROUBLE)
 
 
 def lease(holder: str = "hand", operator: str = "joystick") -> Lease:
@@ -258,7 +258,7 @@ def drive_ten_seconds(telemetry: Telemetry) -> None:
             network.send(topics.RANGE, reading("front_right", None, "clear"), now, name="front_right")
             network.send(topics.RANGE, reading("rear", None, "fault", "stuck"), now, name="rear")
         if ms % 100 == 0:
-            slow = verdict(0.3, "slow", sensor="front_left", reason="1.23 m ahead", way_out="turn away")
+            slow = verdict(0.3, "slow", sensor="front_left", reason="1.23 m ahead", remedy="turn away")
             network.send(topics.GUARD, guard(slow), now)
             network.send(topics.BASE, base(), now)
             network.send(topics.LEASE, lease(), now)

@@ -12,7 +12,7 @@ from giraff_cli.why.observation import Observation
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.health import Health
-from giraff_schemas.messages import DriveCommand, GuardState, Tick, Tilt, Verdict
+from giraff_schemas.messages import DirectionLimit, DriveCommand, GuardState, Tick, Tilt
 from giraff_schemas.topics import Topic
 from giraff_schemas.trouble import Trouble
 from tests.unit.cli.samples import (
@@ -54,7 +54,7 @@ def state(**fields: Any) -> GuardState:
     return msgspec.structs.replace(guard(verdict()), **fields)
 
 
-def blocked(sensor: str = "front_left", reason: str = "") -> Verdict:
+def blocked(sensor: str = "front_left", reason: str = "") -> DirectionLimit:
     return verdict(0.0, "blocked", sensor, reason or f"{sensor} sees something at 0.31 m", "turn left or back up")
 
 

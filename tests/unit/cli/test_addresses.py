@@ -35,7 +35,7 @@ def code_rows(shown: str) -> list[str]:
 
 
 def test_a_program_is_told_a_line_each_this_hosts_first(capsys: pytest.CaptureFixture[str]) -> None:
-    addresses.tell([FAR, HERE])
+    addresses.print_addresses([FAR, HERE])
     assert capsys.readouterr().out == f"page: {HERE}\npage: {FAR}\n"
 
 
@@ -43,7 +43,7 @@ def test_a_person_is_told_all_and_shown_the_code_of_the_one_that_a_phone_can_ope
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     output = terminal(monkeypatch)
-    addresses.tell([HERE, FAR])
+    addresses.print_addresses([HERE, FAR])
     shown = output.getvalue()
     assert [line.strip() for line in shown.splitlines() if ONCE in line] == [HERE, FAR]
     assert [row.rstrip() for row in code_rows(shown)] == [row.rstrip() for row in Code(FAR).rows() if row.strip()]
@@ -56,7 +56,7 @@ def test_a_terminal_that_is_too_narrow_for_a_code_gets_the_address_in_one_piece(
     columns: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     output = terminal(monkeypatch, columns)
-    addresses.tell([FAR])
+    addresses.print_addresses([FAR])
     assert code_rows(output.getvalue()) == []
     assert f"    {FAR}\n" in output.getvalue()
 
@@ -69,7 +69,7 @@ def test_a_port_at_every_address_is_at_the_loopback_too(given: list[str]) -> Non
 
 def test_what_no_other_host_can_open_has_no_code(monkeypatch: pytest.MonkeyPatch) -> None:
     output = terminal(monkeypatch)
-    addresses.tell([HERE])
+    addresses.print_addresses([HERE])
     assert code_rows(output.getvalue()) == []
     assert "no other host can open it" in output.getvalue()
 
@@ -145,8 +145,8 @@ def test_whoever_has_read_enough_ends_nothing(monkeypatch: pytest.MonkeyPatch) -
     os.close(reader)
     with os.fdopen(writer, "w") as gone:
         monkeypatch.setattr(sys, "stdout", gone)
-        addresses.tell([FAR])
-        addresses.tell([FAR])
+        addresses.print_addresses([FAR])
+        addresses.print_addresses([FAR])
 
 
 def test_no_other_verb_waits_for_the_library() -> None:

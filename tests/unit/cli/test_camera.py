@@ -24,7 +24,7 @@ from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.codec import encode
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE, TICK
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from tests.unit.cli.samples import at, camera
 from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ROBOT, record
@@ -49,14 +49,14 @@ class Source:
     def __init__(self, *pictures: Picture) -> None:
         self.coming = list(pictures)
         self.state: CameraState | None = camera()
-        self.trouble = WELL
+        self.trouble = NO_TROUBLE
         self.wanted = 0
         self.closed = False
 
     def want(self) -> None:
         self.wanted += 1
 
-    def take(self) -> Picture | None:
+    def pop_picture(self) -> Picture | None:
         return self.coming.pop(0) if self.coming else None
 
     def close(self) -> None:
@@ -71,11 +71,14 @@ def hear(pictures: PictureSubscriber, name: str) -> None:
 def test_a_camera_is_asked_once_it_is_heard_and_as_long_as_somebody_looks() -> None:
     sources = {"head": Source(picture(0, 160), picture(1)), "rear": Source()}
     pictures = PictureSubscriber(sources.__getitem__)
-    assert pictures.take() == []
+    assert pictures.pop_pictures() == []
     for name in ("head", "head", "rear"):
         hear(pictures, name)
     assert pictures.cameras == ("head", "rear")
-    assert [seen.topic for _ in range(3) for seen in pictures.take()] == [CAMERA_SMALL.at("head"), CAMERA.at("head")]
+    assert [seen.topic for _ in range(3) for seen in pictures.pop_pictures()] == [
+        CAMERA_SMALL.at("head"),
+        CAMERA.at("head"),
+    ]
     assert {source.wanted for source in sources.values()} == {3}
     sources["rear"].trouble = Trouble("the camera has started again", "ask again")
     assert pictures.troubles() == ["the camera has started again; ask again"]
@@ -134,8 +137,8 @@ def test_pictures_that_were_asked_for_are_recorded_byte_for_byte(
     with StopSignal() as stopping:
         while source.coming:
             assert not kept.wait(stopping, 0.001)
-    samples: list[RawSample] = kept.take()
-    assert kept.take() == []
+    samples: list[RawSample] = kept.pop_all()
+    assert kept.pop_all() == []
     record(tmp_path / "a.mcap", samples)
     read = list(Recording(tmp_path / "a.mcap").samples())
     assert [each.key for each in read] == ["camera/head/@small", "camera/head/@full", "camera/head/@full"]
@@ -163,7 +166,7 @@ def test_a_window_shows_what_comes_and_tells_why_nothing_does(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     source, drawn = Source(picture(0), picture(1)), []
-    shown = SimpleNamespace(on_sample=lambda *given: drawn.append(given[1]), look=lambda _: None)
+    shown = SimpleNamespace(on_sample=lambda *given: drawn.append(given[1]), update=lambda _: None)
     monkeypatch.setattr("giraff_cli.camera.window.Show", lambda *_, **__: shown)
     pictures = PictureSubscriber(lambda _: source)
     tick = Tick(epoch=7, robot_ns=1)
@@ -174,10 +177,10 @@ def test_a_window_shows_what_comes_and_tells_why_nothing_does(
 
     connection: Any = SimpleNamespace(robot=ROBOT, dispatch=dispatch)
     window = CameraWindow(connection, pictures, "head")
-    window.look()
+    window.update()
     source.trouble = Trouble("the camera has started again", "ask for its picture again")
-    window.look()
-    window.look()
+    window.update()
+    window.update()
     assert window.has_seen
     assert drawn == [tick, picture(0), tick, picture(1), tick]
     assert capsys.readouterr().err == "giraff: the camera has started again; ask for its picture again\n"

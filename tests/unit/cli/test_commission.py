@@ -19,13 +19,13 @@ STOCK = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
 TITLES = [step.title for step in STEPS]
 
 
-def standings(path: Path, giraff: Giraff) -> tuple[int, dict[str, str], dict[str, dict[str, str]]]:
+def statuses(path: Path, giraff: Giraff) -> tuple[int, dict[str, str], dict[str, dict[str, str]]]:
     code, out, err = giraff("commission", "--file", str(path), "--json")
     assert not err
     told = json.loads(out)
     assert told["robot_file"] == str(path)
     rows = {row["step"]: row for row in told["steps"]}
-    return code, {title: row["standing"] for title, row in rows.items()}, rows
+    return code, {title: row["status"] for title, row in rows.items()}, rows
 
 
 def done() -> tomlkit.TOMLDocument:
@@ -51,19 +51,19 @@ def test_the_page_has_the_steps_in_their_order() -> None:
 def test_what_is_left_is_told_until_the_file_has_it(tmp_path: Path, giraff: Giraff) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(STOCK, encoding="utf-8")
-    code, told, _ = standings(path, giraff)
+    code, told, _ = statuses(path, giraff)
     assert (code, list(told)) == (1, TITLES)
     assert "done" not in told.values()
     _, out, _ = giraff("commission", "--file", str(path))
     assert f"{path}: 7 left. Next: how the wheels are wired, by giraff check wheels." in " ".join(out.split())
 
     path.write_text(tomlkit.dumps(done()), encoding="utf-8")
-    code, told, _ = standings(path, giraff)
+    code, told, _ = statuses(path, giraff)
     assert (code, set(told.values())) == (0, {"done", "look"})
 
 
 def test_a_robot_that_balances_has_no_steps_of_wheels(giraff: Giraff) -> None:
-    _, told, rows = standings(ROOT / "deploy" / "robots" / "balancer.toml", giraff)
+    _, told, rows = statuses(ROOT / "deploy" / "robots" / "balancer.toml", giraff)
     assert not {"What the encoders give", "Speeds that are held"} & told.keys()
     assert told["The battery"] == "done"
     assert rows["How the wheels are wired"]["how"] == "docs/build-a-balancer.md"
@@ -105,8 +105,8 @@ def test_what_the_services_refuse_is_left_with_the_reason(
             within = within[table]
         within[name] = value
     path.write_text(tomlkit.dumps(document), encoding="utf-8")
-    code, _, rows = standings(path, giraff)
-    left = {title: row["why"] for title, row in rows.items() if row["standing"] == "left"}
+    code, _, rows = statuses(path, giraff)
+    left = {title: row["why"] for title, row in rows.items() if row["status"] == "left"}
     assert code == 1
     assert left.keys() >= set(steps)
     assert all(why in left[title] for title in steps), left
@@ -120,11 +120,11 @@ def test_a_file_that_says_nothing_of_the_drive_hides_no_step(
 ) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(text, encoding="utf-8")
-    _, told, rows = standings(path, giraff)
+    _, told, rows = statuses(path, giraff)
     assert list(told) == TITLES
     assert why in rows["How the wheels are wired"]["why"]
     look = ["The joystick's level and axes", "First start", "Before it is left to others"]
-    assert [title for title, standing in told.items() if standing == "look"] == look
+    assert [title for title, status in told.items() if status == "look"] == look
     assert "done" not in told.values()
 
 

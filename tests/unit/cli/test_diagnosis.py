@@ -15,7 +15,7 @@ from giraff_schemas import topics
 from giraff_schemas.actions import ANY, TILT
 from giraff_schemas.codec import stamped
 from giraff_schemas.health import other_health
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from tests.unit.cli.samples import MS, attitude, base, camera, estop, lease, reading, verdict
 from tests.unit.cli.scenes import CAUSES, HAND, NOW, Scene, blocked, command, fault, state
 
@@ -39,7 +39,7 @@ def shown(links: Iterable[Any]) -> str:
 def test_with_nothing_wrong_nothing_is_found() -> None:
     diagnosis = Scene().diagnosis()
     assert tuple(link.name for link in diagnosis.links) == LINKS
-    assert {link.standing for link in diagnosis.links} == {"ok"}
+    assert {link.status for link in diagnosis.links} == {"ok"}
     assert (diagnosis.stopped_by, diagnosis.drives) == ("", False)
     assert diagnosis.conclusion == "nothing stops the robot: it drives when the hand asks for it"
 
@@ -55,7 +55,7 @@ def idle(chain: Scene) -> Scene:
 def test_a_robot_that_nobody_asks_to_drive_is_idle_and_one_link_says_so() -> None:
     diagnosis = idle(Scene()).diagnosis()
     assert (diagnosis.stopped_by, diagnosis.conclusion) == ("", IDLE.line(TILT))
-    links = {link.name: (link.standing, link.text) for link in diagnosis.links}
+    links = {link.name: (link.status, link.text) for link in diagnosis.links}
     assert links["lease"] == ("idle", IDLE.line(TILT))
     assert links["guard"] == ("ok", "no direction is blocked")
     assert links["base"] == ("idle", "see lease")
@@ -84,11 +84,11 @@ def test_one_who_asks_and_holds_no_lease_is_not_idle() -> None:
 
 def test_what_waits_names_the_link_to_read() -> None:
     seen = blocked().reason.of("forward blocked")
-    for cause, link, told in (("e-stop", "e-stop", WELL), ("obstacle", "guard", seen)):
+    for cause, link, told in (("e-stop", "e-stop", NO_TROUBLE), ("obstacle", "guard", seen)):
         chain = Scene()
         CAUSES[cause][0](chain)
         chain.put(topics.BASE, base(armed=False, reason=told, latch="none"), "b")
-        [waits] = [each for each in chain.diagnosis().links if each.standing == "waits" and each.name == "base"]
+        [waits] = [each for each in chain.diagnosis().links if each.status == "waits" and each.name == "base"]
         assert waits.text == f"see {link}"
 
 
@@ -103,10 +103,10 @@ def test_the_wheels_of_a_robot_that_balances_are_told_with_how_it_holds_itself()
     chain = Scene().put(topics.ATTITUDE, attitude(0), "b")
     told = "motor commands of 0 and 0 of 255; stands: leans 1.5°, -12 N m"
     wheels = chain.diagnosis().links[-1]
-    assert (wheels.standing, wheels.text.endswith(told)) == ("ok", True), wheels.text
+    assert (wheels.status, wheels.text.endswith(told)) == ("ok", True), wheels.text
     chain.put(topics.ATTITUDE, attitude(0, "sits down", "the battery was low"), "b")
     wheels = chain.diagnosis().links[-1]
-    assert (wheels.standing, "sits down, because the battery was low" in wheels.text) == ("waits", True), wheels.text
+    assert (wheels.status, "sits down, because the battery was low" in wheels.text) == ("waits", True), wheels.text
 
 
 def test_a_robot_that_drives_does() -> None:

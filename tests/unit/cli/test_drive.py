@@ -29,9 +29,9 @@ from giraff_node.network.consent import NoRobotError
 from giraff_node.network.tokens import Token
 from giraff_schemas.actions import KEYS
 from giraff_schemas.codec import stamped
-from giraff_schemas.messages import Battery, EStop, GuardState, Lease, Sample, Verdict
+from giraff_schemas.messages import Battery, DirectionLimit, EStop, GuardState, Lease, Sample
 from giraff_schemas.params import ParamAnswer
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Latch
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT
@@ -53,7 +53,7 @@ KEYS_END = 9
 """The last row that tells the keys."""
 
 
-def all_blocked(reason: Verdict = BLOCKED) -> GuardState:
+def all_blocked(reason: DirectionLimit = BLOCKED) -> GuardState:
     return msgspec.structs.replace(guard(reason), backward=reason, turn_left=reason, turn_right=reason)
 
 
@@ -64,17 +64,17 @@ class Desk:
         self.person = Person(KeyboardConfig())
         self.person.wait(0.2, ticks=ticks)
         self.view = DriveView("giraff", SENSORS)
-        self.stop, self.seq = WELL, 0
+        self.stop, self.seq = NO_TROUBLE, 0
         self.take(base(), guard(verdict()), estop(), Battery(voltage=24.3), odometry(0, 1.25, 0.5, 0.3))
         self.take(reading("front_left", 1.23), reading("front_right", None, "clear"), reading("rear", 0.4))
 
     def take(self, *samples: Sample) -> Desk:
         for sample in samples:
-            self.view.take(stamped(sample, self.seq, 0, "m"), self.person.now)
+            self.view.on_sample(stamped(sample, self.seq, 0, "m"), self.person.now)
         self.seq += 1
         return self
 
-    def holds(self, holder: str, operator: str, reason: Trouble = WELL, unranked: tuple[str, ...] = ()) -> Desk:
+    def holds(self, holder: str, operator: str, reason: Trouble = NO_TROUBLE, unranked: tuple[str, ...] = ()) -> Desk:
         lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, unranked=unranked)
         self.person.policy.operator.on_lease(stamped(lease, 1, 0, "g"))
         return self
@@ -334,7 +334,7 @@ def test_the_picture_of_the_page_is_this_screen() -> None:
     assert desk.picture.elapsed == 0.0
     desk.person.wait(42.0)
     ranges = reading("front_left", 0.62), reading("front_right", None, "clear"), reading("rear", 1.04)
-    samples = (base(), msgspec.structs.replace(guard(near), reason=WELL), estop(), Battery(voltage=24.3))
+    samples = (base(), msgspec.structs.replace(guard(near), reason=NO_TROUBLE), estop(), Battery(voltage=24.3))
     desk.take(*samples, msgspec.structs.replace(odometry(0, 1.25, 0.5, 0.3), linear_x=0.15), *ranges)
     for _ in range(3):
         desk.person.wait(0.2)

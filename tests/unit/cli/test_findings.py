@@ -37,7 +37,7 @@ from giraff_node.network.sockets import live_sockets, own_socket, socket_folder
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.health import Health
 from giraff_schemas.params import ParamAnswer
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT as ODOMETRYS
 from tests.unit.cli.samples import base, estop
@@ -301,7 +301,7 @@ def test_the_wiring_and_the_boards_of_the_file_are_not_those_of_a_simulated_robo
     (port := tmp_path / "port").touch()
     given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), "GIRAFF_BASE_PORT": str(port)}
     assert (bool(wiring_problem((), given)), len(look_at_boards((), given))) == (True, 1)
-    assert (wiring_problem(("run",), given), look_at_boards(("run",), given)) == (WELL, ())
+    assert (wiring_problem(("run",), given), look_at_boards(("run",), given)) == (NO_TROUBLE, ())
 
 
 @pytest.mark.parametrize(

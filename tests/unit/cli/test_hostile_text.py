@@ -13,7 +13,7 @@ from rich.table import Table
 
 from giraff_cli.terminal.text import json_line, json_page
 from giraff_client.errors import EmergencyStopError
-from giraff_node.network.consent import tell
+from giraff_node.network.consent import print_notice
 from giraff_node.process.logs import service_logger
 from giraff_schemas.messages import EStop
 from giraff_schemas.text import printable
@@ -63,7 +63,7 @@ def test_a_log_line_is_clean_on_a_terminal_and_in_a_file(
 
 
 def test_what_a_command_and_a_script_say_is_clean(capsys: pytest.CaptureFixture[str]) -> None:
-    tell(HOSTILE)
+    print_notice(HOSTILE)
     assert capsys.readouterr().err == f"giraff: {CLEAN}\n"
     error = EmergencyStopError(EStop(engaged=True, id=1, by=HOSTILE, reason=Trouble(HOSTILE)))
     assert str(error).count(CLEAN) == 2

@@ -100,4 +100,4 @@ def test_a_run_with_a_camera_tells_how_to_see_by_it_with_what_is_installed(
     monkeypatch.setattr("giraff_cli.run.invitation.find_spec", lambda _: library)
     invitation = invited(NetworkConfig(rendezvous=AT), WIRED)
     assert invitation.lines(camera=True) == [*invitation.lines(), f"giraff {line}"]
-    assert invitation.look.endswith(f"giraff {line}")
+    assert invitation.how_to_see.endswith(f"giraff {line}")

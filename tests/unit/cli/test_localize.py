@@ -16,7 +16,7 @@ import msgspec
 import pytest
 from rich.console import Console
 
-import giraff_cli.localize.client as it
+import giraff_cli.localize.client as run
 import giraff_cli.localize.serve
 from giraff_cli.localize.client import ask, require_none
 from giraff_cli.localize.lines import ChangedLines, JsonLines
@@ -133,7 +133,7 @@ class Network(AskedRobot):
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network(NAME)
-    made.rule(monkeypatch, it)
+    made.rule(monkeypatch, run)
     return made
 
 

@@ -169,11 +169,11 @@ def test_it_ends_with_its_time_and_with_its_reader(here: Here) -> None:
 
 
 def test_one_that_falls_silent_is_told_as_such(here: Here) -> None:
-    here.hearing.look()
+    here.hearing.update()
     here.say(map_pose(1))
-    here.hearing.look()
+    here.hearing.update()
     here.clock.sleep(2.5)
-    here.hearing.look()
+    here.hearing.update()
     assert [view.words.partition(" | ")[2][:33] for view in here.screen.views] == [
         "waiting for localization to speak",
         "localized | x 1.50 y 2.20 m, 0.0°",

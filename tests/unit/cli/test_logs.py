@@ -86,15 +86,15 @@ def test_entries_come_in_order_of_time_and_a_source_that_hangs_holds_up_the_othe
         merge.open(source, 0.0)
     merge.add("journal", [entry(1.0), entry(4.0)], 1.0)
     merge.add("docker", [entry(2.0), entry(3.0)], 1.0)
-    assert merge.take(4.9) == [], "the one that hangs may yet have an older one"
-    assert [each.time for each in merge.take(5.0)] == [1.0, 2.0, 3.0], "docker may yet have one before the journal's"
+    assert merge.pop_due(4.9) == [], "the one that hangs may yet have an older one"
+    assert [each.time for each in merge.pop_due(5.0)] == [1.0, 2.0, 3.0], "docker may yet have one before the journal's"
     assert merge.is_overdue("hangs", 5.0)
     assert not merge.is_overdue("docker", 5.0)
     merge.end("docker")
-    assert [each.time for each in merge.take(5.0)] == [4.0]
+    assert [each.time for each in merge.pop_due(5.0)] == [4.0]
     merge.end("journal")
     merge.end("hangs")
-    assert merge.take(5.0) == []
+    assert merge.pop_due(5.0) == []
 
 
 def test_an_entry_cannot_steer_the_terminal_and_keeps_its_lines_together() -> None:

@@ -21,10 +21,10 @@ from giraff_node.config.robot_file import load
 from giraff_node.network.discovery import simulated_name
 from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD
 from giraff_schemas.topics import require_chunk
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.bodies.kinds import read_drive, with_known
+from giraff_sim.bodies.registry import read_drive, with_known
 from giraff_sim.world.room import read_room
 from giraff_web.config import WebConfig
 
@@ -141,7 +141,7 @@ def test_a_simulated_robot_brings_what_neither_file_nor_environment_say(
     assert (drive.wheel_control, drive.wiring, drive.unchecked) == (
         "level",
         Wiring.INVERT_RIGHT_ENCODER | Wiring.SWAP_MOTORS,
-        WELL,
+        NO_TROUBLE,
     )
     assert load("guard", GuardConfig, environment).deceleration == 1.5
     file.write_text(file.read_text().replace("battery_volts_per_count = 0.01426", "battery_volts_per_count = 0.0"))
@@ -155,7 +155,7 @@ def test_a_whole_table_of_the_environment_is_not_overruled(tmp_path: Path) -> No
     file.write_text(ARDROS.read_text().replace('control = "speed"', 'control = "speed"\nswap_motors = true'))
     table = '{ type = "wheels", max_level = 70, stall_level = 25, battery_volts_per_count = 0, swap_encoders = true }'
     drive = read_drive(with_known({"GIRAFF_CONFIG": str(file), "GIRAFF_BASE_DRIVE": table}))
-    assert (drive.wiring, drive.unchecked) == (Wiring.SWAP_ENCODERS, WELL)
+    assert (drive.wiring, drive.unchecked) == (Wiring.SWAP_ENCODERS, NO_TROUBLE)
 
 
 def test_without_a_page_nothing_of_one_is_settled() -> None:

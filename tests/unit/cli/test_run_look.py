@@ -48,7 +48,7 @@ class Looks:
 
     def look(self) -> Any:
         """Return what is shown."""
-        self.run._look(self.telemetry)
+        self.run._update(self.telemetry)
         return self.shows.call_args.args[0]
 
     def says(self, state: LocalizationState) -> None:

@@ -59,12 +59,12 @@ def test_the_newest_addresses_are_those_of_the_last_token(log: Path) -> None:
     def told(words: str) -> list[str]:
         with log.open("a", encoding="utf-8") as more:
             more.write(words)
-        assert page.look()
-        assert not page.look()
+        assert page.update()
+        assert not page.update()
         return list(page.addresses)
 
     one, two = (line(f"to drive, open https://{host}:1/#one") for host in "ab")
-    assert not page.look()
+    assert not page.update()
     assert told(line("started") + one + two[:40]) == ["https://a:1/#one"]
     assert told(two[40:] + line("ended")) == ["https://a:1/#one", "https://b:1/#one"]
     assert told(one.replace("one", "two") + two.replace("one", "two")) == ["https://a:1/#two", "https://b:1/#two"]
@@ -73,9 +73,9 @@ def test_the_newest_addresses_are_those_of_the_last_token(log: Path) -> None:
 def test_a_page_at_every_address_is_at_the_loopback_too(log: Path) -> None:
     log.write_text(line("to drive, open https://192.168.1.7:8443/#one"), encoding="utf-8")
     page = Page(log, everywhere=True)
-    assert page.look()
+    assert page.update()
     assert page.addresses == ("https://127.0.0.1:8443/#one", "https://192.168.1.7:8443/#one")
-    assert not page.look()
+    assert not page.update()
 
 
 def test_what_is_no_announcement_is_no_address(log: Path) -> None:
@@ -83,7 +83,7 @@ def test_what_is_no_announcement_is_no_address(log: Path) -> None:
         line("somebody says: to drive, open https://a:1/#x") + "to drive, open https://a:1/#x\n[1]\n", encoding="utf-8"
     )
     page = Page(log, everywhere=True)
-    assert not page.look()
+    assert not page.update()
     assert page.addresses == ()
 
 
@@ -92,14 +92,14 @@ def test_it_is_what_the_service_says(monkeypatch: pytest.MonkeyPatch, log: Path)
         monkeypatch.setattr("sys.stderr", stderr)
         _log_addresses(MagicMock(log=service_logger("web")), ["https://a:1/#one"])
     page = Page(log, everywhere=False)
-    assert page.look()
+    assert page.update()
     assert page.addresses == ("https://a:1/#one",)
 
 
 def test_its_code_is_on_a_key_and_any_key_goes_back(log: Path) -> None:
     log.write_text(line("to drive, open https://192.168.1.7:8443/#one"), encoding="utf-8")
     page = Page(log, everywhere=True)
-    page.look()
+    page.update()
     shown = []
     for typed in ("", "x", "c", "", "x", "c", "c", "xc", " "):
         page.on_keys(typed)

@@ -164,10 +164,10 @@ def test_the_line_tells_the_place_on_the_map() -> None:
 def test_a_long_reason_is_cut_and_not_wrapped_and_a_wider_terminal_shows_more_of_it() -> None:
     telemetry = ten_seconds()
     network = Network(telemetry)
-    long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 60, way_out="w" * 20)
+    long = verdict(0.0, clearance="blocked", sensor="rear", reason="r" * 60, remedy="w" * 20)
     network.send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
     assert "r" * 60 + "; " + "w" * 20 in "\n".join(rendered(telemetry.snapshot(10 * SECOND), width=120))
-    long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 200, way_out="w" * 200)
+    long = verdict(0.0, clearance="blocked", sensor="rear", reason="r" * 200, remedy="w" * 200)
     network.send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
     network.send(topics.BASE, base(armed=False, reason="b" * 200), 10 * SECOND, maker="n")
     shown = rendered(telemetry.snapshot(10 * SECOND))

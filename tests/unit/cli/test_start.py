@@ -11,7 +11,7 @@ from typing import NoReturn
 import pytest
 
 from giraff_cli import start
-from giraff_cli.usage import obey
+from giraff_cli.usage import run_app
 
 
 class _Full(io.StringIO):
@@ -40,7 +40,7 @@ def test_a_command_ends_without_taking_python_down(
     monkeypatch.setattr("os._exit", _leave)
     monkeypatch.setattr("sys.stdout", told_to())
     monkeypatch.setattr(atexit, "_run_exitfuncs", lambda: told.append("exit"))
-    monkeypatch.setattr(f"{obey.__module__}.obey", lambda _: code)
+    monkeypatch.setattr(f"{run_app.__module__}.run_app", lambda _: code)
     with pytest.raises(StopIteration) as end:
         start.main()
     assert (end.value.value, told) == (ended, ["exit"])
@@ -58,7 +58,7 @@ def test_an_exception_that_nobody_foresaw_is_shown_and_ends_it(
     monkeypatch.setattr("signal.signal", lambda *_: None)
     monkeypatch.setattr("os._exit", _leave)
     monkeypatch.setattr(atexit, "_run_exitfuncs", lambda: None)
-    monkeypatch.setattr(f"{obey.__module__}.obey", fail)
+    monkeypatch.setattr(f"{run_app.__module__}.run_app", fail)
     with pytest.raises(StopIteration) as end:
         start.main()
     assert end.value.value == 1

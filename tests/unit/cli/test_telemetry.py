@@ -158,7 +158,7 @@ def test_the_room_is_told_in_the_frame_of_odometry_and_seldom() -> None:
     assert [*map(list, line)] == [pytest.approx([0.0, 1.0]), pytest.approx([3.0, 0.0])]
     announcer = Announcer(session, "sim-test")
     for _ in range(3):
-        announcer.tell(telemetry.true_pose, telemetry.walls)
+        announcer.publish(telemetry.true_pose, telemetry.walls)
     said = [decoded(call.args[0]) for call in session.declare_publisher.return_value.put.call_args_list]
     assert [sample.walls for sample in said] == [(line,), (), ()]
 

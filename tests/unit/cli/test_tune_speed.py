@@ -14,7 +14,7 @@ import msgspec
 import pytest
 
 import giraff_cli.tune.speed
-import giraff_cli.tune.speed_drive as it
+import giraff_cli.tune.speed_drive as run
 import giraff_node.motion_client
 import giraff_node.network.query_client
 from giraff_base.config import BaseConfig
@@ -64,7 +64,7 @@ class Desk:
         self.restart()
         self.session.answer(key_of(NAME, PARAM_DESCRIBE.at("base")), self._describe)
         self._asked, self._began, self._wheels = 0, 0.0, drive()
-        for module in (it, giraff_node.motion_client, giraff_node.network.query_client):
+        for module in (run, giraff_node.motion_client, giraff_node.network.query_client):
             patch.setattr(module, "time", self.clock)
         patch.setattr(giraff_cli.tune.speed, "run_with_robot", self._visit)
         patch.setattr(giraff_cli.tune.speed, "Terminal", lambda *_: self)
@@ -78,7 +78,7 @@ class Desk:
 
         patch.setattr(StopSignal, "wait", wait)
 
-    def tell(self, text: str) -> None:
+    def show(self, text: str) -> None:
         self.told.append(text)
 
     def ask(self, question: str, meanwhile: object) -> str:

@@ -15,7 +15,7 @@ from giraff_cli.watch.screen import WatchView, missing
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_telemetry.collector import Telemetry
 from giraff_telemetry.describe import limit_text, moving
 from tests.unit.cli.map_poses import map_pose
@@ -261,7 +261,7 @@ def test_what_limits_is_told_whole_with_its_way_out() -> None:
     telemetry, network = listening()
     near = verdict(0.0, "blocked", "front_left", "front_left sees something at 0.31 m", "turn left or back up")
     assert limit_text(telemetry.snapshot(NOW)) == "1.23 m ahead; turn away"
-    network.send(topics.GUARD, msgspec.structs.replace(guard(near), reason=WELL), NOW, maker="n")
+    network.send(topics.GUARD, msgspec.structs.replace(guard(near), reason=NO_TROUBLE), NOW, maker="n")
     told = "forward blocked: front_left sees something at 0.31 m; turn left or back up"
     assert limit_text(telemetry.snapshot(NOW)) == told
     assert f"WHY  {told}" in "\n".join(drawn(view(telemetry)))

@@ -6,13 +6,21 @@ from typing import Literal
 
 import pytest
 
-from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, encoder_that_counted, require_right, wiring_of
+from giraff_cli.check.wiring import (
+    SIDES,
+    Counted,
+    DoubtError,
+    MotorResponse,
+    encoder_that_counted,
+    require_right,
+    wiring_of,
+)
 from giraff_schemas.wire import Wiring
 
 TICKS = 400
 
 
-def seen(wiring: Wiring, motor: int) -> Seen:
+def seen(wiring: Wiring, motor: int) -> MotorResponse:
     """What motor 0 (A) or 1 (B) does with nothing swapped or inverted, on a robot that is soldered like `wiring`."""
     wheel = motor ^ int(Wiring.SWAP_MOTORS in wiring)
     side = SIDES[wheel].upper()
@@ -20,7 +28,7 @@ def seen(wiring: Wiring, motor: int) -> Seen:
     counts_up = forward != (Wiring[f"INVERT_{side}_ENCODER"] in wiring)
     counted = [1, -2]
     counted[wheel ^ int(Wiring.SWAP_ENCODERS in wiring)] = TICKS if counts_up else -TICKS
-    return Seen(Counted(*counted), SIDES[wheel], forward)
+    return MotorResponse(Counted(*counted), SIDES[wheel], forward)
 
 
 @pytest.mark.parametrize("bits", range(64))
@@ -35,8 +43,8 @@ OTHER = seen(Wiring(0), 1)
 NOTHING = Counted(0, 1)
 
 
-def said(counted: Counted, wheel: Literal["left", "right", "both", "none"]) -> Seen:
-    return Seen(counted, wheel, forward=True)
+def said(counted: Counted, wheel: Literal["left", "right", "both", "none"]) -> MotorResponse:
+    return MotorResponse(counted, wheel, forward=True)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +60,7 @@ def said(counted: Counted, wheel: Literal["left", "right", "both", "none"]) -> S
         (GOOD, said(Counted(-60, 310), "right"), "both encoders counted"),
     ],
 )
-def test_what_makes_no_sense_is_in_doubt(first: Seen, second: Seen, told: str) -> None:
+def test_what_makes_no_sense_is_in_doubt(first: MotorResponse, second: MotorResponse, told: str) -> None:
     with pytest.raises(DoubtError, match=told):
         wiring_of(first, second)
 

@@ -12,7 +12,7 @@ import typer.main
 
 from giraff_cli.main import app
 from giraff_cli.network import command as visit
-from giraff_cli.usage import obey
+from giraff_cli.usage import run_app
 
 Giraff = Callable[..., tuple[int, str, str]]
 
@@ -26,7 +26,7 @@ def typed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *
     monkeypatch.setattr(typer.main, "get_command", lambda _app: _COMMAND)
     monkeypatch.setattr(sys, "argv", ["giraff", *words])
     capsys.readouterr()
-    code = obey(app)
+    code = run_app(app)
     said = capsys.readouterr()
     return code, said.out, said.err
 

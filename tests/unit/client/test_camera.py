@@ -11,7 +11,7 @@ import giraff_client.camera
 from giraff_client import Robot, SilentError
 from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.topics import CAMERA_STATE
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from tests.unit.cli import samples
 from tests.unit.client.test_robot import Network, network, robot
 
@@ -25,13 +25,13 @@ class Client:
         self._clock, self._began = clock, clock()
         self._plan = dict(plan)
         self.state: CameraState | None = samples.camera()
-        self.trouble = WELL
+        self.trouble = NO_TROUBLE
         self.closed = False
 
     def want(self) -> None:
         """Go on."""
 
-    def take(self) -> Picture | None:
+    def pop_picture(self) -> Picture | None:
         now = self._clock()
         for at in [at for at in self._plan if now - self._began >= at]:
             width, old_ns = self._plan.pop(at), round(0.1e9)

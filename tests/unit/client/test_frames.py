@@ -68,7 +68,7 @@ class Scene:
     def sleep(self, seconds: float) -> None:
         self.now += seconds
         if self.goes_on:
-            self.finder.hear(self.odometry())
+            self.finder.on_odometry(self.odometry())
         for at in [at for at in self.at_time if at <= self.now]:
             self.at_time.pop(at)()
 
@@ -161,7 +161,7 @@ def test_what_no_wait_mends_is_told_at_once(scene: Scene) -> None:
     scene.sleep(0.1)
     set_between = moment(scene.now + 0.05)
     scene.now += 0.1
-    scene.finder.hear(scene.odometry(jumps=1))
+    scene.finder.on_odometry(scene.odometry(jumps=1))
     scene.goes_on = False
     began = scene.now
     with pytest.raises(GapError, match="odometry was set"):
@@ -218,7 +218,7 @@ def located(scene: Scene, state: LocalizationState = "localized", ahead: float =
 def test_the_robot_is_found_in_the_map_while_it_is_localized(scene: Scene) -> None:
     scene.sleep(0.5)
     then = moment(scene.now - 0.2)
-    scene.finder.hear(scene.odometry())
+    scene.finder.on_odometry(scene.odometry())
     scene.sleep(0.5)
     located(scene)
     began = scene.now
@@ -239,7 +239,7 @@ def test_a_pose_that_is_silent_or_of_another_origin_places_nothing(scene: Scene)
     scene.sleep(0.1)
     located(scene)
     assert scene.finder.lookup("map", "odom", None).x == 4.0
-    scene.finder.hear(scene.odometry(jumps=1))
+    scene.finder.on_odometry(scene.odometry(jumps=1))
     with pytest.raises(UnlocalizedError, match="from before odometry was set"):
         scene.finder.lookup("map", "base_link", None)
     located(scene, ahead=0.02)

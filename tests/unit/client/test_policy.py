@@ -30,10 +30,10 @@ class Script:
         self.now = 100.0
         self._seq = 0
         self.tick()
-        self.policy.take(samples.estop(), self.now)
+        self.policy.on_sample(samples.estop(), self.now)
 
     def tick(self) -> None:
-        self.policy.take(Tick(epoch=EPOCH, robot_ns=round(self.now * 1e9)), self.now)
+        self.policy.on_sample(Tick(epoch=EPOCH, robot_ns=round(self.now * 1e9)), self.now)
 
     def wait(self, seconds: float, *, ticks: bool = True) -> None:
         self.now += seconds
@@ -46,10 +46,10 @@ class Script:
         lease = Lease(
             seq=self._seq, holder=holder, operator=operator, counter=counter, reason=Trouble(f"held by {operator}")
         )
-        self.policy.take(lease, self.now)
+        self.policy.on_sample(lease, self.now)
 
     def base(self, *, armed: bool) -> None:
-        self.policy.take(samples.base(armed=armed, reason="" if armed else "not armed since a shout"), self.now)
+        self.policy.on_sample(samples.base(armed=armed, reason="" if armed else "not armed since a shout"), self.now)
 
     def step(self) -> DriveCommand | None:
         return self.policy.step(self.now)
@@ -153,7 +153,7 @@ def test_what_was_lost_is_not_taken_up_again(script: Script) -> None:
 
 def test_an_emergency_stop_stops_it_at_each_step(script: Script) -> None:
     script.arm()
-    script.policy.take(samples.estop(engaged=True), script.now)
+    script.policy.on_sample(samples.estop(engaged=True), script.now)
     for act in (script.drive, script.step):
         with pytest.raises(EmergencyStopError, match="giraff estop reset"):
             act()

@@ -77,7 +77,7 @@ def blocked(*directions: Direction) -> GuardState:
 def test_a_way_is_blocked_that_the_guard_blocks_and_no_other(twist: tuple[float, float], direction: Direction) -> None:
     error = blockage(blocked(direction), *twist)
     assert error is not None
-    assert (error.direction, error.sensor, error.way_out) == (direction, "front_left", "turn left or back up")
+    assert (error.direction, error.sensor, error.remedy) == (direction, "front_left", "turn left or back up")
     assert str(error) == f"{direction} blocked: front_left sees something at 0.40 m; turn left or back up"
     others: tuple[Direction, ...] = tuple(other for other in DIRECTIONS if other != direction)
     assert blockage(blocked(*others), *twist) is None
@@ -92,8 +92,8 @@ def test_a_curve_asks_for_both(direction: Direction) -> None:
 
 
 def test_a_way_that_is_only_slow_is_not_blocked() -> None:
-    for freedom in ("slow", "creep"):
-        assert blockage(samples.guard(samples.verdict(0.03, freedom)), 0.2, 0.0) is None
+    for clearance in ("slow", "creep"):
+        assert blockage(samples.guard(samples.verdict(0.03, clearance)), 0.2, 0.0) is None
 
 
 @pytest.mark.parametrize("twist", [(math.nan, 0.0), (0.0, math.inf)])

@@ -7,7 +7,7 @@ import pytest
 
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.disturbance import SOUND, Disturbance, falling, shaken
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 RATES = [10.0, 16.0, 50.0, 60.0, 100.0, 200.0]
 GRAVITY = 9.81
@@ -32,7 +32,7 @@ def still(at: float) -> Vector:
 
 @pytest.mark.parametrize("hertz", RATES)
 def test_a_hand_with_its_tremor_is_a_hand(hertz: float) -> None:
-    assert set(judged(still, 20.0, hertz)) == {WELL}
+    assert set(judged(still, 20.0, hertz)) == {NO_TROUBLE}
 
 
 @pytest.mark.parametrize("hertz", RATES)
@@ -43,7 +43,7 @@ def test_a_wrist_that_hurries_is_a_hand(hertz: float) -> None:
         angle = 0.7 * math.sin(at * 5.0 / 0.7)
         return GRAVITY * math.sin(angle), 0.0, GRAVITY * math.cos(angle)
 
-    assert set(judged(turning, 5.0, hertz)) == {WELL}
+    assert set(judged(turning, 5.0, hertz)) == {NO_TROUBLE}
 
 
 @pytest.mark.parametrize("hertz", RATES)
@@ -62,11 +62,11 @@ def test_a_fall_is_told_by_its_first_reading_and_is_over_after_half_a_second_of_
 
     told = judged(feel, 3.0, hertz)
     first = round(1.0 * hertz)
-    assert told[:first] == [WELL] * first
+    assert told[:first] == [NO_TROUBLE] * first
     assert told[first] == falling("phone")
-    over = told.index(WELL, first) / hertz
+    over = told.index(NO_TROUBLE, first) / hertz
     assert 1.2 + SOUND - 2.0 / hertz <= over <= 1.2 + SOUND + 6.0 * max(0.02, 1.0 / hertz)
-    assert not any(told[told.index(WELL, first) :])
+    assert not any(told[told.index(NO_TROUBLE, first) :])
 
 
 @pytest.mark.parametrize("hertz", RATES)
@@ -75,4 +75,4 @@ def test_one_knock_is_no_shake(hertz: float) -> None:
         x, y, z = still(at)
         return (x + 12.0 if 0.5 <= at < 0.5 + 1.0 / hertz else x), y, z
 
-    assert set(judged(feel, 2.0, hertz)) == {WELL}
+    assert set(judged(feel, 2.0, hertz)) == {NO_TROUBLE}

@@ -12,9 +12,9 @@ import pytest
 
 from giraff_core.kinematics.frame_errors import FutureError, GapError, PastError, UnconnectedError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
-from giraff_core.kinematics.origin import Origin
+from giraff_core.kinematics.pose_history import LONGEST_GAP, REMEMBERED
 from giraff_core.kinematics.rigid import rigid
-from giraff_core.kinematics.way import LONGEST_GAP, REMEMBERED
+from giraff_core.kinematics.segment import Segment
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Odometry, RobotTime
 from tests.unit.cli import samples
@@ -56,7 +56,7 @@ def test_a_thousand_trees_are_composed_as_matrices_are() -> None:
             place = [chance.uniform(-3.0, 3.0) for _ in range(6)]
             place[4] = place[4] if steep is None else steep
             told = transform(parent, f"f{number}", *place)
-            tree.tell(told)
+            tree.on_transform(told)
             at_root[told.child] = at_root[parent] @ matrix_of(told)
         target, source = chance.choices(tree.frames, k=2)
         found = tree.lookup(target, source)
@@ -101,7 +101,7 @@ def test_what_looks_ahead_and_is_pitched_looks_down() -> None:
 def heard(*told: Odometry) -> FrameTree:
     tree = FrameTree([transform("base_link", "range_rear_link", -0.25, 0.0, 0.1, 0.0, 0.0, math.pi)])
     for odometry in told:
-        tree.hear(odometry)
+        tree.on_odometry(odometry)
     return tree
 
 
@@ -157,7 +157,7 @@ def test_nothing_is_made_up_over_a_silence() -> None:
 def test_moments_that_are_not_heard_say_how_far_off_they_are() -> None:
     tree = FrameTree()
     for hundredth in range(1200):
-        tree.hear(odometry(100.0 + hundredth / 100, hundredth / 100))
+        tree.on_odometry(odometry(100.0 + hundredth / 100, hundredth / 100))
     assert tree.lookup("odom", "base_link", moment(111.99 - REMEMBERED)).x == pytest.approx(11.99 - REMEMBERED)
     with pytest.raises(PastError, match=r"0\.490 s before the first that is remembered; the last 10 s are"):
         tree.lookup("odom", "base_link", moment(101.5))
@@ -215,9 +215,9 @@ def test_one_that_moves_and_was_told_once_is_known_of_its_moment_only() -> None:
 def test_where_odom_is_in_the_map_is_a_correction_and_the_newest_word_counts_for_any_moment() -> None:
     tree = FrameTree([transform("base_link", "lens", 0.1)])
     for tenth in range(11):
-        tree.hear(odometry(100.0 + tenth / 10.0, tenth / 10.0))
-    tree.tell(msgspec.structs.replace(transform("map", "odom", 5.0, fixed=False), tick=moment(100.4)))
-    tree.tell(msgspec.structs.replace(transform("map", "odom", 7.0, fixed=False), tick=moment(100.9)))
+        tree.on_odometry(odometry(100.0 + tenth / 10.0, tenth / 10.0))
+    tree.on_transform(msgspec.structs.replace(transform("map", "odom", 5.0, fixed=False), tick=moment(100.4)))
+    tree.on_transform(msgspec.structs.replace(transform("map", "odom", 7.0, fixed=False), tick=moment(100.9)))
     for at, x in ((None, 8.0), (moment(100.25), 7.25)):
         found = tree.lookup("map", "base_link", at)
         assert found.x == pytest.approx(x)
@@ -232,9 +232,9 @@ def test_where_odom_is_in_the_map_is_a_correction_and_the_newest_word_counts_for
 
 
 def test_what_was_found_before_odometry_began_anew_is_not_of_its_origin() -> None:
-    origin = Origin()
+    origin = Segment()
     assert not origin.holds(moment(1.0))
-    origin.hear(samples.odometry(S, 0.0))
+    origin.on_odometry(samples.odometry(S, 0.0))
     assert not origin.holds(None)
     assert [origin.holds(moment(at)) for at in (0.9, 1.0, 1.1)] == [False, False, True]
     for again in (
@@ -242,11 +242,11 @@ def test_what_was_found_before_odometry_began_anew_is_not_of_its_origin() -> Non
         msgspec.structs.replace(samples.odometry(2 * S, 0.0), boot_id=2),
         msgspec.structs.replace(samples.odometry(2 * S, 0.0), instance="another"),
     ):
-        origin.hear(samples.odometry(S, 0.0))
-        origin.hear(again)
+        origin.on_odometry(samples.odometry(S, 0.0))
+        origin.on_odometry(again)
         assert [origin.holds(moment(at)) for at in (1.1, 2.0, 2.1)] == [False, False, True]
     anew = RobotTime(epoch=samples.EPOCH + 1, robot_ns=1)
     assert not origin.holds(anew)
-    origin.hear(msgspec.structs.replace(again, tick=anew))
+    origin.on_odometry(msgspec.structs.replace(again, tick=anew))
     assert origin.holds(anew)
     assert not origin.holds(moment(3.0))

@@ -12,7 +12,7 @@ from giraff_core.lease import ASK, unranked_notice
 from giraff_core.operator import ASKS_NOTHING, LINK_SILENCE, Fault, Hand, Operator, OperatorService, Wish
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick
 from giraff_schemas.topics import TICK, SampleT, Topic
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 def heard(operator: Operator, ns: int, now: float) -> RobotTime:
@@ -57,7 +57,7 @@ def test_one_that_does_not_ask_from_its_start_asks_by_a_wish_alone() -> None:
 def test_the_robot_is_lost_after_half_a_second_without_a_newer_tick(operator: Operator) -> None:
     assert operator.link_fault(0.0)
     heard(operator, 2, 0.0)
-    assert operator.link_fault(LINK_SILENCE) == WELL
+    assert operator.link_fault(LINK_SILENCE) == NO_TROUBLE
     heard(operator, 1, 0.1)  # an older one that has waited somewhere proves nothing
     assert operator.link_fault(LINK_SILENCE + 0.01)
 
@@ -78,7 +78,7 @@ def test_a_lease_that_was_given_up_is_asked_for_anew_and_counts_for_no_other_han
         operator.on_lease(leased("me", 5, seq=seq))
         operator.give_up()
     operator.on_lease(leased("me", 6, seq=3))
-    assert (operator.holds, operator.refusal) == (True, WELL)
+    assert (operator.holds, operator.refusal) == (True, NO_TROUBLE)
     assert operator.say(Wish(0.1, 0.0, None, takes=True)).lease_counter == 6
 
 
@@ -86,7 +86,7 @@ def test_a_lease_that_was_given_up_is_asked_for_anew_and_counts_for_no_other_han
 def test_a_hand_hears_that_no_table_ranks_its_name_whoever_drives(operator: Operator, holder: str) -> None:
     lease = leased(holder, 6)
     operator.on_lease(msgspec.structs.replace(lease, unranked=("patrol",)))
-    assert operator.rank_notice == WELL
+    assert operator.rank_notice == NO_TROUBLE
     operator.on_lease(msgspec.structs.replace(lease, seq=1, unranked=("patrol", "hand")))
     assert operator.rank_notice == unranked_notice("hand")
     assert "if a person drives by it, write `hand = 0`" in operator.rank_notice.remedy
@@ -98,7 +98,7 @@ class Lever(Hand):
     def __init__(self) -> None:
         super().__init__(Operator("lever", "me", asks_from_start=False))
         self.moved: RobotTime | None = None
-        self.fault = WELL
+        self.fault = NO_TROUBLE
 
     def read(self, now: float) -> bool:
         del now
@@ -118,7 +118,7 @@ class Room:
         self.inboxes: dict[str, Inbox[Any]] = {}
         self.told: dict[str, Trouble] = {}
         self.said: list[DriveCommand] = []
-        self.lost_parameters = WELL
+        self.lost_parameters = NO_TROUBLE
 
     def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:
         del wakes

@@ -6,25 +6,25 @@ from itertools import pairwise
 
 import pytest
 
-from giraff_core.timer import LEAST_GAP, PromptTimer
+from giraff_core.timer import LEAST_GAP, EarlyTimer
 
 PERIOD = 0.02
 
 
-def started() -> PromptTimer:
+def started() -> EarlyTimer:
     """Its first turn was at 0 s."""
-    timer = PromptTimer(1.0 / PERIOD)
+    timer = EarlyTimer(1.0 / PERIOD)
     assert timer.due(0.0)
     return timer
 
 
-def turns(timer: PromptTimer, causes: list[float], until: float) -> list[float]:
+def turns(timer: EarlyTimer, causes: list[float], until: float) -> list[float]:
     """When it is due, asked each tenth of a millisecond, with something in a hurry at each of `causes`."""
     found = []
     for step in range(round(until * 1e4)):
         now = step * 1e-4
         while causes and causes[0] <= now:
-            timer.hurry("it", causes.pop(0))
+            timer.fire_now("it", causes.pop(0))
         if timer.due(now):
             found.append(round(now, 4))
     return found
@@ -36,7 +36,7 @@ def test_without_hurry_it_keeps_its_rate() -> None:
 
 def test_what_is_in_a_hurry_has_its_turn_at_once_and_no_more() -> None:
     timer = started()
-    timer.hurry("it", 0.003)
+    timer.fire_now("it", 0.003)
     assert timer.wait(0.003) == 0.0
     assert timer.due(0.003)
     assert not timer.due(0.003)
@@ -50,9 +50,9 @@ def test_a_flood_makes_no_more_turns_than_its_gap_lets() -> None:
 
 def test_the_last_of_a_burst_waits_for_the_gap_and_not_for_the_period() -> None:
     timer = started()
-    timer.hurry("it", 0.010)
+    timer.fire_now("it", 0.010)
     assert timer.due(0.010)
-    timer.hurry("it", 0.011)
+    timer.fire_now("it", 0.011)
     assert not timer.due(0.011)
     assert timer.wait(0.011) == pytest.approx(LEAST_GAP - 0.001)
     assert timer.due(0.010 + LEAST_GAP)
@@ -60,9 +60,9 @@ def test_the_last_of_a_burst_waits_for_the_gap_and_not_for_the_period() -> None:
 
 def test_one_cause_does_not_make_another_wait() -> None:
     timer = started()
-    timer.hurry("command", 0.010)
+    timer.fire_now("command", 0.010)
     assert timer.due(0.010)
-    timer.hurry("range", 0.011)
+    timer.fire_now("range", 0.011)
     assert timer.due(0.011)
 
 

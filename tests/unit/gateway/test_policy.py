@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_gateway.config import GatewayConfig
-from giraff_gateway.policy import LineSplitter, Passing, WriteQueue
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_gateway.policy import LineSplitter, TimedNotices, WriteQueue
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LONGEST = 16
 LINE_BYTES = st.lists(
@@ -91,19 +91,19 @@ def test_nothing_is_lost_and_no_ending_is_left(data: bytes) -> None:
 def test_what_waits_is_written_in_order_and_bounded() -> None:
     queue = WriteQueue(16, "\n", most=2)
     refused = [queue.put(text) for text in ("on", "off", "again")]
-    assert refused[:2] == [WELL, WELL]
+    assert refused[:2] == [NO_TROUBLE, NO_TROUBLE]
     assert "2 wait" in refused[2].what
-    assert [queue.take(), queue.take(), queue.take()] == [b"on\n", b"off\n", b""]
+    assert [queue.pop(), queue.pop(), queue.pop()] == [b"on\n", b"off\n", b""]
     assert queue.put("x" * 16) == Trouble("a text of 17 bytes was not written: longest_line is 16")
-    assert (queue.put("on"), queue.drop(), queue.take()) == (WELL, 1, b"")
+    assert (queue.put("on"), queue.drop(), queue.pop()) == (NO_TROUBLE, 1, b"")
 
 
 def test_what_is_over_at_once_is_told_for_a_while() -> None:
-    passing, refused = Passing(10.0, "write"), Trouble("refused")
-    assert passing.now(0.0) == {"write": WELL}
-    passing.tell("write", refused, 1.0)
-    passing.tell("write", WELL, 5.0)
-    assert (passing.now(11.0), passing.now(11.1)) == ({"write": refused}, {"write": WELL})
+    passing, refused = TimedNotices(10.0, "write"), Trouble("refused")
+    assert passing.now(0.0) == {"write": NO_TROUBLE}
+    passing.report("write", refused, 1.0)
+    passing.report("write", NO_TROUBLE, 5.0)
+    assert (passing.now(11.0), passing.now(11.1)) == ({"write": refused}, {"write": NO_TROUBLE})
 
 
 @pytest.mark.parametrize(

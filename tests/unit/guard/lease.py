@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from giraff_core.live import Live
-from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
+from giraff_guard.lease_holder import LeaseHolder
 from giraff_schemas.messages import DriveCommand, RobotTime, Source
 from giraff_schemas.trouble import Trouble
 
@@ -20,7 +20,7 @@ class Room:
     """A guard's authority and those who speak to it, in robot time."""
 
     def __init__(self, first_lease: int = FIRST) -> None:
-        self.authority = Authority(Live(CONFIG), first_lease)
+        self.authority = LeaseHolder(Live(CONFIG), first_lease)
         self.robot_ns = 10**12
         self._seq = 0
 

@@ -7,8 +7,8 @@ import msgspec
 from giraff_core.lease import ASK
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
-from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
+from giraff_guard.lease_holder import LeaseHolder
 from giraff_guard.policy import GuardPolicy
 from giraff_schemas.messages import (
     DriveCommand,
@@ -175,7 +175,7 @@ class Rig:
         command, _ = self.decide()
         return command.linear_x, command.angular_z
 
-    def _leased(self) -> Authority:
-        authority = self.guard._authority
+    def _leased(self) -> LeaseHolder:
+        authority = self.guard._lease_holder
         authority.review(self.guard._identity.now(self.robot_ns))
         return authority

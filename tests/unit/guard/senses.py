@@ -16,7 +16,7 @@ from giraff_guard.limits import Limits
 from giraff_guard.obstacles import Limited, Obstacles, Verdicts
 from giraff_guard.ultrasonic.memory import Echoes
 from giraff_guard.ultrasonic.source import UltrasonicSource
-from giraff_schemas.messages import Attitude, Range, RobotTime, Verdict, Wheels
+from giraff_schemas.messages import Attitude, DirectionLimit, Range, RobotTime, Wheels
 from giraff_schemas.trouble import Trouble
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
 
@@ -178,9 +178,9 @@ class Senses:
         limited = self.limit(linear, angular)
         return limited.linear_x, limited.angular_z
 
-    def verdict(self, way: str = "forward") -> Verdict:
+    def verdict(self, way: str = "forward") -> DirectionLimit:
         judged = getattr(self.judge(), way)
-        assert isinstance(judged, Verdict)
+        assert isinstance(judged, DirectionLimit)
         return judged
 
     def allowed(self, way: str = "forward") -> float:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from giraff_core.lease import ASK, LeaseClient
 from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, RobotTime, Source
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.guard.checks import check_passed
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FIRST_LEASE, Rig
 
@@ -20,9 +20,9 @@ def check_verdicts(state: GuardState) -> None:
     """That each verdict is whole: it says no without a number, a reason and a way out for nobody."""
     for verdict in (state.forward, state.backward, state.turn_left, state.turn_right):
         assert verdict.allowed >= 0.0
-        assert (verdict.freedom == "blocked") == (verdict.allowed == 0.0)
-        assert (verdict.freedom == "free") == (str(verdict.reason) == "")
-        if verdict.freedom == "blocked":
+        assert (verdict.clearance == "blocked") == (verdict.allowed == 0.0)
+        assert (verdict.clearance == "free") == (str(verdict.reason) == "")
+        if verdict.clearance == "blocked":
             assert verdict.sensor
             assert verdict.reason.remedy
 
@@ -122,7 +122,7 @@ class Witness(Rig):
             and abs(command.linear_x) <= abs(each.linear_x)
             for each in self.said
         )
-        assert self.guard.fault == WELL
+        assert self.guard.fault == NO_TROUBLE
 
     def _fresh(self, tick: RobotTime | None, command: GuardedCommand) -> bool:
         assert command.guard_tick is not None

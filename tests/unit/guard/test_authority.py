@@ -9,7 +9,7 @@ import pytest
 from giraff_core.lease import IDLE, unranked_notice
 from giraff_schemas.messages import Source
 from giraff_schemas.services import HANDS
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.guard.lease import FIRST, PERIOD, Room
 
 
@@ -40,7 +40,7 @@ def test_a_holder_that_was_told_of_an_old_lease_asks_for_nothing_until_it_hears_
     held.say("A", FIRST, 0.5, seq=11)  # overtaken
     assert held.passes is None
     again = held.say("A", FIRST, -0.5, seq=13)
-    assert held.authority.asked(held.now) == (again, WELL)
+    assert held.authority.asked(held.now) == (again, NO_TROUBLE)
     assert held.authority.counter == FIRST
 
 
@@ -106,8 +106,8 @@ def test_a_second_process_of_the_same_name_is_refused_and_told(held: Room) -> No
     assert (held.holder, held.passes) == ("A", 0.5)
     reason = str(held.authority.reason(held.now))
     assert "held by joystick (A)" in reason
-    for way_out in ("rests for 30 s", "silent for 1 s", "at fault for 2 s", "to ask", "to arm"):
-        assert way_out in reason
+    for remedy in ("rests for 30 s", "silent for 1 s", "at fault for 2 s", "to ask", "to arm"):
+        assert remedy in reason
 
 
 @pytest.mark.parametrize("seq", [9, 10, 0])

@@ -23,7 +23,7 @@ def driving() -> Senses:
     """Forward, with every sensor heard."""
     senses = opened(BUMPED)
     bump(senses, pressed=False)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
     senses.linear = 0.3
     senses.asked = (0.3, 0.0)
     senses.wait(0.04)
@@ -42,7 +42,7 @@ def drive_on(senses: Senses, linear: float, seconds: float, *, pressed: bool = F
 def test_a_push_stops_its_way_at_once_and_no_other(driving: Senses) -> None:
     assert bump(driving, pressed=True), "it cannot wait for the next decision"
     judged = driving.verdict()
-    assert (judged.freedom, judged.sensor, judged.allowed) == ("blocked", "front", 0.0)
+    assert (judged.clearance, judged.sensor, judged.allowed) == ("blocked", "front", 0.0)
     assert judged.reason.what == "front is pushed: something touches it, or its wire is cut"
     assert judged.reason.remedy == "turn or back up"
     assert (driving.allowed("backward"), driving.allowed("turn_left")) == (0.6, ROBOT.max_angular_speed)
@@ -55,7 +55,7 @@ def test_its_way_stays_blocked_until_the_robot_has_backed_away(driving: Senses) 
     assert "was pushed here" in str(driving.verdict().reason)
     drive_on(driving, 0.2, 0.9)  # pushed along by hand: nearer is not away
     drive_on(driving, -0.2, 1.8)
-    assert driving.verdict().freedom == "blocked"
+    assert driving.verdict().clearance == "blocked"
     drive_on(driving, -0.2, 0.2)
     assert driving.verdict().sensor != "front"
 
@@ -125,7 +125,7 @@ def test_one_that_is_not_heard_blocks_its_way(age: float | None, why: str) -> No
     if age is not None:
         bump(senses, pressed=False, age=age)
     judged = senses.verdict()
-    assert (judged.freedom, judged.sensor) == ("blocked", "front")
+    assert (judged.clearance, judged.sensor) == ("blocked", "front")
     assert why in judged.reason.what
     assert why in str(senses.troubles()["front"])
     assert senses.allowed("backward") == 0.6

@@ -9,8 +9,8 @@ import pytest
 
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_schemas.messages import Verdict
-from giraff_schemas.trouble import WELL
+from giraff_schemas.messages import DirectionLimit
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, FRONT, NEAR, ROBOT, Senses, opened, robot_with
 
 WAYS = [("forward", 0.6, FRONT), ("backward", -0.6, ("rear",))]
@@ -21,7 +21,7 @@ HEAD_ON = msgspec.structs.replace(CONFIG, incidence=0.001, half_cone=0.001)
 def assert_blocked(senses: Senses, way: str, sensor: str, *reasons: str) -> None:
     """That `way` is closed, with all that an operator needs to know, and that nothing else is."""
     judged = senses.verdict(way)
-    assert (judged.allowed, judged.freedom, judged.sensor) == (0.0, "blocked", sensor)
+    assert (judged.allowed, judged.clearance, judged.sensor) == (0.0, "blocked", sensor)
     for reason in (sensor, *reasons):
         assert reason in str(judged.reason)
     asked = {"forward": 0.6, "backward": -0.6}[way]
@@ -29,7 +29,7 @@ def assert_blocked(senses: Senses, way: str, sensor: str, *reasons: str) -> None
     limited = senses.limit(asked, 0.0)
     assert str(limited.reason) == f"{way} blocked: {judged.reason}"
     assert senses.passes(0.0, 1.0) == (0.0, 1.0)
-    assert senses.limit(0.0, 1.0).reason == WELL
+    assert senses.limit(0.0, 1.0).reason == NO_TROUBLE
 
 
 @each_way
@@ -50,10 +50,10 @@ def test_one_reading_opens_nothing_and_two_do(way: str, asked: float, sensors: t
 
 @each_way
 def test_far_is_free(senses: Senses, way: str, asked: float, sensors: tuple[str, ...]) -> None:
-    assert senses.verdict(way) == Verdict(allowed=0.6, freedom="free", sensor="")
+    assert senses.verdict(way) == DirectionLimit(allowed=0.6, clearance="free", sensor="")
     assert senses.passes(asked, 0.5) == (asked, 0.5)
-    assert senses.limit(asked, 0.5).reason == WELL
-    assert senses.troubles() == dict.fromkeys(ROBOT.sensors, WELL)
+    assert senses.limit(asked, 0.5).reason == NO_TROUBLE
+    assert senses.troubles() == dict.fromkeys(ROBOT.sensors, NO_TROUBLE)
     assert sensors
 
 
@@ -67,7 +67,7 @@ def test_near_is_blocked_at_the_first_reading(way: str, asked: float, sensors: t
 
 
 @pytest.mark.parametrize(
-    ("near", "way_out"),
+    ("near", "remedy"),
     [
         ({"front_left": 0.3}, "turn right or back up"),
         ({"front_right": 0.3}, "turn left or back up"),
@@ -75,10 +75,10 @@ def test_near_is_blocked_at_the_first_reading(way: str, asked: float, sensors: t
         ({"front_left": 0.3, "rear": 0.3}, "turn right"),
     ],
 )
-def test_the_way_out_is_where_there_is_room(senses: Senses, near: dict[str, float], way_out: str) -> None:
+def test_the_way_out_is_where_there_is_room(senses: Senses, near: dict[str, float], remedy: str) -> None:
     for sensor, distance in near.items():
         senses.hear(distance, sensor)
-    assert senses.verdict().reason.remedy == way_out
+    assert senses.verdict().reason.remedy == remedy
 
 
 def test_the_way_out_of_a_blocked_rear_is_forward(senses: Senses) -> None:
@@ -105,7 +105,7 @@ def test_a_sensor_that_flickers_opens_nothing(senses: Senses, way: str, asked: f
         senses.wait(CYCLE / 2)
         senses.hear(FAR)
         assert senses.passes(asked) == (0.0, 0.0)
-        assert senses.verdict(way).freedom == "blocked"
+        assert senses.verdict(way).clearance == "blocked"
 
 
 @each_way
@@ -115,7 +115,7 @@ def test_a_stale_sensor_blinds_its_way_only(way: str, asked: float, sensors: tup
         senses.robot_ns += 400_000_000
         senses.report()
         senses.hear(FAR, *(name for name in ROBOT.sensors if name != sensor))
-        assert senses.verdict(way).freedom != "blocked"
+        assert senses.verdict(way).clearance != "blocked"
         senses.robot_ns += 1
         assert_blocked(senses, way, sensor, "stale", "0.4 s old", "check giraff_ranger")
         assert "stale" in str(senses.troubles()[sensor])
@@ -159,7 +159,7 @@ def test_a_reading_gets_old_while_nothing_comes(senses: Senses) -> None:
 def test_a_sensor_that_the_robot_file_lacks_leaves_creep(way: str, asked: float, sensors: tuple[str, ...]) -> None:
     senses = opened(robot_with(*(name for name in ROBOT.sensors if name not in sensors)))
     judged = senses.verdict(way)
-    assert (judged.allowed, judged.freedom, judged.sensor) == (0.1, "creep", "")
+    assert (judged.allowed, judged.clearance, judged.sensor) == (0.1, "creep", "")
     assert way in str(judged.reason)
     linear, angular = senses.passes(asked, 0.6)
     assert linear == pytest.approx(math.copysign(0.1, asked))
@@ -171,7 +171,7 @@ def test_a_sensor_that_the_robot_file_lacks_leaves_creep(way: str, asked: float,
 
 def test_a_reading_of_a_sensor_that_the_robot_file_lacks_is_nobodys(senses: Senses) -> None:
     senses.hear(NEAR, "mast")
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 @pytest.mark.parametrize("distance", [0.42, 0.46, 0.5, 0.55])
@@ -179,7 +179,7 @@ def test_in_between_the_speed_is_what_stops_before_the_margin(senses: Senses, di
     senses.hear(distance, age=0.05)
     senses.hear(distance, age=0.05)
     judged = senses.verdict()
-    assert judged.freedom in ("slow", "creep")
+    assert judged.clearance in ("slow", "creep")
     assert judged.sensor in FRONT
     # A wall at 25°, seen by the edge of a cone of 7.5°; the disc of 0.3 m is what must not come nearer than 0.25 m.
     clearance = distance * math.cos(math.radians(17.5)) + 0.25 * math.cos(math.radians(25)) - 0.3
@@ -195,7 +195,7 @@ def test_without_a_measured_deceleration_the_robot_creeps() -> None:
     senses = opened(config=GuardConfig())
     for way in ("forward", "backward"):
         judged = senses.verdict(way)
-        assert (judged.allowed, judged.freedom) == (0.1, "creep")
+        assert (judged.allowed, judged.clearance) == (0.1, "creep")
         assert "deceleration has not been measured" in str(judged.reason)
     assert senses.passes(0.6)[0] == pytest.approx(0.1)
     senses.hear(NEAR)
@@ -227,8 +227,8 @@ def test_less_than_the_slowest_speed_is_a_stop() -> None:
         senses.hear(millimetres / 1000)
         allowed.add(senses.allowed())
     assert min(allowed) == 0.0
-    assert min(allowed - {0.0}) >= CONFIG.slowest
-    assert min(allowed - {0.0}) < CONFIG.slowest + 0.02
+    assert min(allowed - {0.0}) >= CONFIG.min_speed
+    assert min(allowed - {0.0}) < CONFIG.min_speed + 0.02
 
 
 def room_of(distance: float) -> float:
@@ -241,10 +241,10 @@ def test_a_blocked_way_opens_again_only_beyond_the_release() -> None:
     before = opens - 0.01
     senses = opened()
     senses.cycle(before, cycles=3)
-    assert senses.verdict().freedom in ("slow", "creep")
+    assert senses.verdict().clearance in ("slow", "creep")
     senses.cycle(NEAR, cycles=2)
     senses.cycle(before, cycles=4)
-    assert senses.verdict().freedom == "blocked"
+    assert senses.verdict().clearance == "blocked"
     senses.cycle(opens, cycles=3)
     assert senses.allowed() > 0.0
     senses.cycle(before)
@@ -324,7 +324,7 @@ def test_turning_is_not_driving(senses: Senses) -> None:
 )
 def test_a_sensor_speaks_for_the_way_it_looks(pose: SensorPose, ways: set[str]) -> None:
     senses = Senses(msgspec.structs.replace(ROBOT, sensors={"only": pose}))
-    assert {way for way in ("forward", "backward") if senses.verdict(way).freedom == "blocked"} == ways
+    assert {way for way in ("forward", "backward") if senses.verdict(way).clearance == "blocked"} == ways
 
 
 def stopping_room(senses: Senses, way: str = "forward") -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from giraff_core.lease import ASK
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.guard.rig import Rig
 
 
@@ -52,7 +52,7 @@ def test_a_flood_that_has_ended_is_told_no_more(rig: Rig) -> None:
     ask(rig, 3.5, {"stranger": 2000})
     assert rig.guard.flood
     ask(rig, 2.5, {"joystick": 50})
-    assert rig.guard.flood == WELL
+    assert rig.guard.flood == NO_TROUBLE
 
 
 def test_many_that_come_after_a_long_silence_are_none(rig: Rig) -> None:

@@ -41,7 +41,7 @@ def test_a_side_of_which_nothing_is_known_is_not_free() -> None:
 def test_a_silence_that_is_not_proved_is_not_free(senses: Senses) -> None:
     senses.cycle(None, cycles=2)
     assert side(senses) == "forward"
-    senses.cycle(None, cycles=round(CONFIG.proof_time / CYCLE) + 1)
+    senses.cycle(None, cycles=round(CONFIG.trust_full_time / CYCLE) + 1)
     assert senses.allowed("forward") > 0.0
     assert side(senses) == "none"
 

@@ -7,7 +7,7 @@ import pytest
 
 from giraff_core.lease import ASK
 from giraff_schemas.messages import Range, RobotTime, Wheels
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FIRST_LEASE, NEAR, OPERATOR, Rig
 
 
@@ -21,7 +21,7 @@ def test_before_any_tick_nothing_passes() -> None:
     assert (command.guard_tick, command.operator, command.source) == (None, "", "fault")
     assert "start giraff_base" in str(command.reason)
     assert state.reason == command.reason
-    assert state.forward.freedom == "blocked"
+    assert state.forward.clearance == "blocked"
 
 
 def test_before_any_operator_nothing_passes(rig: Rig) -> None:
@@ -237,7 +237,7 @@ def test_a_second_base_stops_the_robot_and_is_named_while_both_speak(rig: Rig) -
         rig.hear(FAR)
         rig.ask(0.5, 0.5)
     assert rig.decide()[0].linear_x == 0.5
-    assert rig.guard.fault == WELL
+    assert rig.guard.fault == NO_TROUBLE
 
 
 def test_a_fault_that_no_command_shows_is_counted(rig: Rig) -> None:
@@ -265,7 +265,7 @@ def test_a_second_ranger_stops_the_robot_and_is_named_while_both_speak(rig: Rig)
         assert "ranger-2, speaks beside ranger-1" in str(command.reason)
         assert "ranger-2, speaks beside ranger-1" in str(state.sensors["rear"])
     rig.hear(NEAR, ranger="ranger-2")  # not listened to
-    assert rig.decide()[1].forward.freedom == "free"
+    assert rig.decide()[1].forward.clearance == "free"
 
 
 def test_a_restarted_ranger_is_listened_to_and_has_the_robot_armed_anew(rig: Rig) -> None:

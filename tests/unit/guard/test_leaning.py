@@ -7,7 +7,7 @@ import math
 import msgspec
 import pytest
 
-from giraff_guard.motion import LEVEL, Lean, Motion
+from giraff_guard.motion import LEVEL, Lean, RecentTravel
 from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_guard.ultrasonic.source import UltrasonicSource
 from tests.unit.guard.rig import Rig
@@ -60,17 +60,17 @@ def test_what_may_be_the_floor_is_no_obstacle_and_no_proof() -> None:
     assert heard(leaning(math.radians(2.9), 3.9)).echo, "a robot that hardly leans hears walls far away"
     senses = leaning(LEAN, floor + 0.01)
     assert "has not proved lately that it hears" in str(senses.verdict().reason)
-    assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
+    assert senses.allowed() == pytest.approx(CONFIG.untrusted_speed)
 
 
 def test_a_lean_that_is_not_told_any_more_blinds() -> None:
     senses = leaning(0.0, 3.0)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
     senses.cycle(3.0, cycles=2)
-    assert senses.verdict().freedom == "free", "up to range_budget a lean counts"
+    assert senses.verdict().clearance == "free", "up to range_budget a lean counts"
     senses.cycle(3.0, cycles=2)
     judged = senses.verdict()
-    assert (judged.freedom, judged.allowed) == ("blocked", 0.0)
+    assert (judged.clearance, judged.allowed) == ("blocked", 0.0)
     assert str(judged.reason).startswith("front_left looks along a body whose lean is not known")
 
 
@@ -83,7 +83,7 @@ def test_the_height_of_a_sensor_on_a_body_that_leans_has_to_be_known() -> None:
 
 def test_the_lean_is_that_of_the_ping() -> None:
     senses = Senses(TALL)
-    motion: Motion = senses.obstacles._motion
+    motion: RecentTravel = senses.obstacles._motion
     assert motion.lean_at(senses.robot_ns) is LEVEL
     senses.lean(0.1, age=0.1)
     senses.lean(0.2, age=0.0)

@@ -86,9 +86,9 @@ def check_verdicts(verdicts: Verdicts) -> None:
     """That each verdict is whole: none says no without a number, a reason and a way out."""
     for verdict in verdicts[:4]:
         assert verdict.allowed >= 0.0
-        assert (verdict.freedom == "blocked") == (verdict.allowed == 0.0)
-        assert (verdict.freedom == "free") == (str(verdict.reason) == "")
-        if verdict.freedom == "blocked":
+        assert (verdict.clearance == "blocked") == (verdict.allowed == 0.0)
+        assert (verdict.clearance == "free") == (str(verdict.reason) == "")
+        if verdict.clearance == "blocked":
             assert verdict.sensor
             assert "turn" in verdict.reason.remedy
     assert verdicts.turn_left.allowed >= 0.35, "a trap"

@@ -15,17 +15,17 @@ from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import until_touch
-from giraff_guard.motion import Motion
+from giraff_guard.motion import RecentTravel
+from giraff_guard.ultrasonic.direction import UltrasonicDirection
 from giraff_guard.ultrasonic.memory import Echoes, Obstruction
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
-from giraff_guard.ultrasonic.way import UltrasonicWay
 from giraff_schemas.messages import RobotTime
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, echoes_of, limits, opened
 from tests.unit.odometry.robots import wheels
 
 POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
-MEMORY = msgspec.structs.replace(CONFIG, held_range=0.1)
+MEMORY = msgspec.structs.replace(CONFIG, silent_range=0.1)
 """Nothing but the memory holds on to what was heard."""
 
 
@@ -52,7 +52,7 @@ def first(echoes: Echoes, place: Pose, sign: float = 1.0, curvature: float = 0.0
 def test_it_blocks_the_way_it_lies_in() -> None:
     senses = passed_by()
     judged = senses.verdict()
-    assert (judged.freedom, judged.sensor) == ("blocked", "front_left")
+    assert (judged.clearance, judged.sensor) == ("blocked", "front_left")
     assert judged.reason.what == "front_left has heard something to the left, where no sensor looks now"
     assert "back up" in judged.reason.remedy
     assert senses.allowed("backward") == 0.6
@@ -65,7 +65,7 @@ def test_the_speed_towards_it_is_what_stops_before_it() -> None:
     radius = senses.robot.footprint_radius + CONFIG.memory_margin
     way = 0.25 + POST - place.x - math.sqrt(radius**2 - 0.15**2) - (CONFIG.margin - CONFIG.memory_margin)
     assert allowed * 0.1 + allowed**2 / 3.0 == pytest.approx(way, abs=0.005)
-    assert senses.verdict().freedom == "slow"
+    assert senses.verdict().clearance == "slow"
 
 
 def test_turning_in_place_sweeps_nothing_but_what_touches_is_turned_past_slowly() -> None:
@@ -74,7 +74,7 @@ def test_turning_in_place_sweeps_nothing_but_what_touches_is_turned_past_slowly(
     senses = passed_by()
     for way in ("turn_left", "turn_right"):
         judged = senses.verdict(way)
-        assert (judged.allowed, judged.freedom, judged.sensor) == (CONFIG.creep_angular, "creep", "front_left")
+        assert (judged.allowed, judged.clearance, judged.sensor) == (CONFIG.creep_angular, "creep", "front_left")
         assert "touches" in judged.reason.what
     assert senses.passes(0.0, 1.0) == (0.0, CONFIG.creep_angular)
     assert "turning slowed" in str(senses.limit(0.0, -1.0).reason)
@@ -89,7 +89,7 @@ def beside() -> Senses:
     senses.cycle(None, cycles=round(1.0 / 0.5 / CYCLE))
     senses.angular = 0.0
     senses.cycle(None, cycles=3)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
     return senses
 
 
@@ -135,26 +135,26 @@ def test_it_blocks_for_its_time_then_slows_and_then_is_forgotten() -> None:
     assert senses.allowed() == 0.0
     assert senses.passes(0.5, 0.0) == (0.0, 0.0)
     senses.cycle({"front_right": FAR}, cycles=round(3.5 / CYCLE))
-    assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
+    assert senses.allowed() == pytest.approx(CONFIG.untrusted_speed)
     assert str(senses.verdict().reason).endswith("to the left, where no sensor looks now")
-    assert senses.passes(0.5, 0.0)[0] == pytest.approx(CONFIG.unproved_linear)
+    assert senses.passes(0.5, 0.0)[0] == pytest.approx(CONFIG.untrusted_speed)
     senses.cycle(FAR, cycles=round((CONFIG.memory_time - CONFIG.memory_block) / CYCLE))
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_what_is_old_does_not_hide_what_is_new() -> None:
     echoes = Echoes(limits())
     hear(echoes, 0.8)
-    motion = Motion(Live(CONFIG), ROBOT)
+    motion = RecentTravel(Live(CONFIG), ROBOT)
     motion.place = Pose(0.4, 0.0, 0.0)
     now = RobotTime(epoch=EPOCH, robot_ns=round((CONFIG.memory_block + 1.0) * 1e9))
-    forward = UltrasonicWay("forward", limits(), [])
+    forward = UltrasonicDirection("forward", limits(), [])
     assert forward.judge(motion, echoes, now).allowed == CONFIG.creep_linear  # no sensor of its own
     other = Sensor("other", SensorPose(index=1, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for _ in range(3):
-        echoes.take(other, Ping(now.robot_ns, 0.85, True, Pose(0.0, 0.05, 0.0)), 0.4)
+        echoes.on_ping(other, Ping(now.robot_ns, 0.85, True, Pose(0.0, 0.05, 0.0)), 0.4)
     judged = forward.judge(motion, echoes, now)
-    assert (judged.freedom, judged.sensor) == ("blocked", "other")
+    assert (judged.clearance, judged.sensor) == ("blocked", "other")
 
 
 def test_it_is_forgotten_after_its_way() -> None:
@@ -188,7 +188,7 @@ def test_what_moves_is_not_remembered() -> None:
     for step in range(6):
         senses.cycle({"front_left": 1.1 - 0.15 * step})
     senses.cycle(None, cycles=10)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_two_wild_echoes_are_not_remembered() -> None:
@@ -198,7 +198,7 @@ def test_two_wild_echoes_are_not_remembered() -> None:
     senses.cycle(None, cycles=3)
     senses.linear = 0.0
     senses.cycle(None, cycles=6)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def stepped(x: float, y: float, curvature: float, radius: float) -> float | None:
@@ -246,7 +246,7 @@ def test_backwards_it_is_the_rear_sensors() -> None:
     senses.linear = 0.0
     senses.cycle(None, cycles=3)
     judged = senses.verdict("backward")
-    assert (judged.freedom, judged.sensor) == ("blocked", "rear")
+    assert (judged.clearance, judged.sensor) == ("blocked", "rear")
     assert senses.allowed() > 0.0
     assert FAR
 
@@ -296,7 +296,7 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
     """Driven in small steps, forward or backward, as odometry reckons."""
     echoes = Echoes(limits(radius))
     for robot_ns in range(3):
-        echoes.take(Sensor("only", pose, Live(CONFIG)), Ping(robot_ns, distance, True, heard_from), 0.0)
+        echoes.on_ping(Sensor("only", pose, Live(CONFIG)), Ping(robot_ns, distance, True, heard_from), 0.0)
     sits = heard_from.moved(pose.x, 0.0)._replace(yaw=heard_from.yaw + math.pi / 2.0).moved(pose.y, 0.0)
     x, y, _ = sits._replace(yaw=heard_from.yaw + pose.yaw).moved(distance, 0.0)
 
@@ -325,7 +325,7 @@ def hear(echoes: Echoes, distance: float, *, name: str = "only", y: float = 0.0)
     """Three times the same, ahead of the robot's middle, from `y` m beside the beginning."""
     sensor = Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for robot_ns in range(3):
-        echoes.take(sensor, Ping(robot_ns, distance, True, Pose(0.0, y, 0.0)), 0.0)
+        echoes.on_ping(sensor, Ping(robot_ns, distance, True, Pose(0.0, y, 0.0)), 0.0)
 
 
 @pytest.mark.parametrize("distances", [(0.6, 1.0), (1.0, 0.6)])
@@ -343,7 +343,7 @@ def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
     echoes = Echoes(limits(0.3))
     for number in range(4):
         sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
-        echoes.take(sensor, Ping(number, 0.6, True, Pose(0.0, 0.0, 0.0)), 0.0)
+        echoes.on_ping(sensor, Ping(number, 0.6, True, Pose(0.0, 0.0, 0.0)), 0.0)
     assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 
 
@@ -363,7 +363,7 @@ def test_of_too_many_echoes_the_newest_are_kept() -> None:
 
 def test_the_way_is_that_of_wheels_as_they_were_calibrated() -> None:
     found = Calibration(left_wheel_scale=1.02, right_wheel_scale=1.01, track_scale=1.1)
-    motion = Motion(Live(CONFIG), msgspec.structs.replace(ROBOT, calibration=found))
+    motion = RecentTravel(Live(CONFIG), msgspec.structs.replace(ROBOT, calibration=found))
     motion.on_wheels(wheels())
     motion.on_wheels(wheels(20, 20, board_us=20_000))
     assert motion.travel == pytest.approx(1.015 * 20 / ROBOT.ticks_per_metre)

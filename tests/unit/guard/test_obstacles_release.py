@@ -13,7 +13,7 @@ from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, Sens
 SLOT = CYCLE / 3
 
 
-NOT_HELD = msgspec.structs.replace(CONFIG, held_range=0.1)
+NOT_HELD = msgspec.structs.replace(CONFIG, silent_range=0.1)
 """What falls silent is gone."""
 
 

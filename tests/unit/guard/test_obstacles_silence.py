@@ -12,7 +12,7 @@ from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_core.sensors import HC_SR04
 from giraff_guard.config import GuardConfig
-from giraff_guard.limits import Way
+from giraff_guard.limits import DriveDirection
 from giraff_guard.stopping import stopping_distance
 from giraff_guard.ultrasonic.held import RecentObstacles
 from giraff_guard.ultrasonic.sensor import Sensor
@@ -20,7 +20,7 @@ from giraff_guard.ultrasonic.silence_trust import Ping
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, limits, opened
 
 FULL = ROBOT.max_wheel_speed
-SLOW = CONFIG.unproved_linear
+SLOW = CONFIG.untrusted_speed
 WALL = 1.5  # m before the sensors
 
 
@@ -89,7 +89,7 @@ def test_each_sensor_of_a_way_has_to_prove_itself(senses: Senses, sensor: str) -
     assert judged.allowed == pytest.approx(SLOW)
     assert "has not proved lately that it hears" in judged.reason.what
     assert senses.troubles()[sensor] == judged.reason
-    assert senses.verdict("backward").freedom == "free"
+    assert senses.verdict("backward").clearance == "free"
 
 
 @pytest.mark.parametrize("between", [0, 1, 2])
@@ -101,7 +101,7 @@ def test_an_echo_that_follows_from_one_just_before_proves_it(between: int) -> No
     assert senses.allowed() < 0.2
     senses.cycle(FAR)
     senses.cycle(None, cycles=6)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_one_echo_proves_nothing() -> None:
@@ -123,31 +123,31 @@ def heard(distance: float = NEAR, way: str = "forward", config: GuardConfig = CO
 def test_what_fell_silent_blocks_for_a_moment_and_then_slows(way: str) -> None:
     senses = heard(way=way)
     judged = senses.verdict(way)
-    assert judged.freedom == "blocked"
+    assert judged.clearance == "blocked"
     assert judged.reason.remedy
     assert f"silent where {judged.sensor} heard something until lately" in judged.reason.what
-    for _ in range(round((CONFIG.held_time - 2.0) / CYCLE)):
+    for _ in range(round((CONFIG.silent_time - 2.0) / CYCLE)):
         senses.cycle(dict.fromkeys(SIDES[way], None))
         assert senses.allowed(way) <= SLOW
     assert senses.allowed(way) == pytest.approx(SLOW)
     other = "backward" if way == "forward" else "forward"
-    assert senses.verdict(other).freedom == "free"
+    assert senses.verdict(other).clearance == "free"
 
 
 def test_it_ends_after_its_time() -> None:
-    config = msgspec.structs.replace(CONFIG, held_time=5.0)
+    config = msgspec.structs.replace(CONFIG, silent_time=5.0)
     senses = heard(config=config)
     senses.cycle(None, cycles=round(4.0 / CYCLE))
     assert senses.allowed() == pytest.approx(SLOW)
     senses.cycle(None, cycles=round(2.0 / CYCLE))
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_the_speed_towards_it_is_what_stops_before_the_margin() -> None:
-    senses = heard(0.5, config=msgspec.structs.replace(CONFIG, held_beside=0.2))
+    senses = heard(0.5, config=msgspec.structs.replace(CONFIG, silent_beside=0.2))
     senses.cycle(dict.fromkeys(FRONT, None), cycles=5)
     allowed = senses.allowed()
-    reach = ROBOT.footprint_radius + CONFIG.held_radius
+    reach = ROBOT.footprint_radius + CONFIG.silent_radius
     edge = HC_SR04.half_cone  # of the cone: where a slanted wall answers from, and nearer to the middle
     way = 0.25 + 0.5 * math.cos(edge) - math.sqrt(reach**2 - (0.15 - 0.5 * math.sin(edge)) ** 2)
     assert stopping_distance(allowed, 0.1, 1.5) == pytest.approx(way - CONFIG.margin, abs=0.001)
@@ -155,34 +155,34 @@ def test_the_speed_towards_it_is_what_stops_before_the_margin() -> None:
 
 
 def test_the_robot_that_is_too_fast_for_it_brakes() -> None:
-    senses = opened(config=msgspec.structs.replace(CONFIG, memory_range=0.1, held_block=0.05))
+    senses = opened(config=msgspec.structs.replace(CONFIG, memory_range=0.1, silent_block=0.05))
     senses.linear = 0.5
     distance = WALL
     for _ in range(10):
         senses.cycle(dict.fromkeys(FRONT, distance))
         distance -= 0.5 * CYCLE
     senses.cycle(dict.fromkeys(FRONT, None), cycles=3)
-    assert senses.verdict().freedom == "blocked"
+    assert senses.verdict().clearance == "blocked"
     senses.linear = SLOW
     senses.cycle(dict.fromkeys(FRONT, None), cycles=6)
     assert senses.allowed() == pytest.approx(SLOW)
 
 
-@pytest.mark.parametrize("distance", [CONFIG.held_range - 0.05, CONFIG.held_range + 0.05])
+@pytest.mark.parametrize("distance", [CONFIG.silent_range - 0.05, CONFIG.silent_range + 0.05])
 def test_what_is_so_far_away_is_left_to_the_fading_trust(distance: float) -> None:
     """What is farther is reached after the way in which the trust has gone."""
     senses = opened(distance=distance)
     senses.linear = 0.25
     senses.cycle(None, cycles=round(1.9 / 0.25 / CYCLE))
-    assert ("heard something until lately" in str(senses.verdict().reason)) is (distance < CONFIG.held_range)
+    assert ("heard something until lately" in str(senses.verdict().reason)) is (distance < CONFIG.silent_range)
     sensor = ROBOT.sensors["front_left"]
-    assert CONFIG.held_range + sensor.x - ROBOT.footprint_radius > CONFIG.fade_travel
+    assert CONFIG.silent_range + sensor.x - ROBOT.footprint_radius > CONFIG.trust_end_travel
 
 
 def test_while_every_sensor_of_its_way_hears_something_it_does_not_count() -> None:
     senses = heard()
     senses.cycle(FAR, cycles=10)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_one_silent_sensor_is_enough_whoever_heard_it(senses: Senses) -> None:
@@ -236,17 +236,17 @@ def test_one_echo_is_not_held(senses: Senses) -> None:
 
 EDGE_X, EDGE_Y = math.cos(HC_SR04.half_cone), math.sin(HC_SR04.half_cone)
 """m: either edge of the cone of what was heard 1 m away."""
-BESIDE = ROBOT.footprint_radius + CONFIG.held_beside
+BESIDE = ROBOT.footprint_radius + CONFIG.silent_beside
 
 
 def place_after(x: float, y: float, yaw: float) -> Pose:
     return Pose(0.0, 0.0, 0.0)._replace(x=x, y=y, yaw=yaw)
 
 
-def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True, way: Way = "forward") -> RecentObstacles:
+def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True, way: DriveDirection = "forward") -> RecentObstacles:
     """One thing that was heard, there."""
     held = RecentObstacles(way, limits())
-    held.take(named("one"), Ping(0, x, True, Pose(0.0, y, 0.0)), is_sure=is_sure)
+    held.add(named("one"), Ping(0, x, True, Pose(0.0, y, 0.0)), is_sure=is_sure)
     return held
 
 
@@ -270,7 +270,7 @@ def named(name: str) -> Sensor:
     ],
 )
 def test_what_lies_ahead_is_met_by_the_footprint(
-    place: tuple[float, float, float], way: Way, distance: float | None
+    place: tuple[float, float, float], way: DriveDirection, distance: float | None
 ) -> None:
     found = spot(way=way).ahead(place_after(*place))
     assert (None if found is None else found.distance) == (None if distance is None else pytest.approx(distance))
@@ -292,7 +292,7 @@ def test_what_lies_ahead_is_met_by_the_footprint(
     ],
 )
 def test_a_wall_goes_on_beside_where_it_was_heard(
-    place: tuple[float, float, float], way: Way, distance: float | None
+    place: tuple[float, float, float], way: DriveDirection, distance: float | None
 ) -> None:
     found = spot(way=way).beside(place_after(*place))
     assert (None if found is None else found.distance) == (None if distance is None else pytest.approx(distance))
@@ -307,7 +307,7 @@ def test_what_it_comes_to_beside_slows_it_in_time() -> None:
     senses.angular = 0.0
     x, y = 0.25 + 0.6 * EDGE_X, 0.15 + 0.6 * EDGE_Y
     x, y = x * math.cos(1.0) + y * math.sin(1.0), y * math.cos(1.0) - x * math.sin(1.0)
-    reach = ROBOT.footprint_radius + config.held_beside
+    reach = ROBOT.footprint_radius + config.silent_beside
     allowed = senses.allowed()
     assert stopping_distance(allowed, 0.1, 0.2) == pytest.approx(x - math.sqrt(reach**2 - y**2), abs=0.02)
     assert SLOW < allowed < FULL
@@ -333,9 +333,9 @@ def test_what_was_heard_now_and_then_counts_ahead_and_not_beside() -> None:
 @pytest.mark.parametrize("is_sure", [True, False])
 def test_what_was_sure_stays_so_when_it_is_heard_now_and_then(is_sure: bool) -> None:
     held = spot(is_sure=is_sure)
-    held.take(named("one"), Ping(10**9, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=False)
+    held.add(named("one"), Ping(10**9, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=False)
     assert (held.beside(Pose(0.0, 0.0, 0.0)) is not None) is is_sure
-    held.forget(round((CONFIG.held_time + 0.5) * 1e9))
+    held.forget(round((CONFIG.silent_time + 0.5) * 1e9))
     assert held.beside(Pose(0.0, 0.0, 0.0)) is None
     assert held.ahead(Pose(0.0, 0.0, 0.0)) is not None
 
@@ -351,7 +351,7 @@ def test_beside_what_was_heard_now_and_then_the_way_is_free() -> None:
 def test_of_two_the_nearer_is_met_first() -> None:
     held = spot(1.0)
     for x in (0.8, 1.4):
-        held.take(named("two"), Ping(0, x, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
+        held.add(named("two"), Ping(0, x, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
     found = held.ahead(Pose(0.0, 0.0, 0.0))
     assert found is not None
     assert found.sensor == "two"
@@ -362,8 +362,8 @@ def test_the_oldest_of_too_many_go_and_one_that_is_heard_again_stays() -> None:
     held = spot(1.0)
     sensor = named("one")
     for number in range(1000):
-        held.take(sensor, Ping(number, 1.0, True, Pose(float(number), 0.0, math.pi / 2.0)), is_sure=True)
-        held.take(sensor, Ping(number, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
+        held.add(sensor, Ping(number, 1.0, True, Pose(float(number), 0.0, math.pi / 2.0)), is_sure=True)
+        held.add(sensor, Ping(number, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
     assert len(held._spots) == 128
     assert held.ahead(Pose(0.0, 0.0, 0.0)) is not None
     assert held.ahead(Pose(999.0, 0.0, math.pi / 2.0)) is not None

@@ -14,7 +14,7 @@ from giraff_core.robot import SensorPose
 from giraff_core.sensors import UltrasonicModel
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, ROBOT, Senses, echoes_of, opened
 
 
@@ -23,8 +23,8 @@ def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
     senses.cycle(None, cycles=20)
     for way, sensor in (("forward", "front_left"), ("backward", "rear")):
         judged = senses.verdict(way)
-        assert judged.allowed == pytest.approx(CONFIG.unproved_linear)
-        assert (judged.freedom, judged.sensor) == ("slow", sensor)
+        assert judged.allowed == pytest.approx(CONFIG.untrusted_speed)
+        assert (judged.clearance, judged.sensor) == ("slow", sensor)
         assert "has not proved lately that it hears" in judged.reason.what
         assert judged.reason.remedy == "face a wall within 4 m"
     assert "has not proved" in str(senses.troubles()["rear"])
@@ -33,15 +33,15 @@ def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
 @pytest.mark.parametrize("bounded_by", ["its own table", "[guard]"])
 def test_silence_of_a_proven_sensor_counts_for_its_reach(senses: Senses, bounded_by: str) -> None:
     senses.cycle(None, cycles=5)
-    assert senses.verdict().freedom == "free"
-    robot, config = ROBOT, msgspec.structs.replace(CONFIG, held_range=0.1)
+    assert senses.verdict().clearance == "free"
+    robot, config = ROBOT, msgspec.structs.replace(CONFIG, silent_range=0.1)
     if bounded_by == "[guard]":
         config = msgspec.structs.replace(config, reach=0.5)
     else:
         robot = msgspec.structs.replace(ROBOT, models=dict.fromkeys(ROBOT.sensors, UltrasonicModel(reach=0.5)))
     short = opened(robot, config, distance=0.45)
     short.cycle(None, cycles=5)
-    assert short.verdict().freedom in ("slow", "creep")
+    assert short.verdict().clearance in ("slow", "creep")
     assert "0.50 m" in str(short.verdict().reason)
 
 
@@ -50,28 +50,28 @@ def test_echoes_that_do_not_follow_from_each_other_prove_nothing() -> None:
     for distance in (3.0, 1.2, None, 2.0, None, 3.5, 1.2, None):
         senses.cycle(distance)
     senses.cycle(None, cycles=2)
-    assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
+    assert senses.allowed() == pytest.approx(CONFIG.untrusted_speed)
 
 
 def test_a_new_epoch_voids_it_all(senses: Senses) -> None:
     senses.obstacles.forget()
-    assert senses.verdict().freedom == "blocked"
+    assert senses.verdict().clearance == "blocked"
     assert "not been heard yet" in str(senses.verdict().reason)
     senses.cycle(None, cycles=20)
-    assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
+    assert senses.allowed() == pytest.approx(CONFIG.untrusted_speed)
 
 
 def test_the_same_echo_again_and_again_while_the_robot_drives_is_frozen(senses: Senses) -> None:
     senses.linear = 0.3
     senses.cycle(FAR, cycles=5)
     judged = senses.verdict()
-    assert judged.freedom == "blocked"
+    assert judged.clearance == "blocked"
     assert "frozen" in judged.reason.what
     assert judged.reason.remedy
     assert "frozen" in str(senses.troubles()["front_left"])
     assert senses.passes(0.0, 1.0) == (0.0, 1.0)
     # Backward too, by the rear sensor: it repeats itself as well.
-    assert senses.verdict("backward").freedom == "blocked"
+    assert senses.verdict("backward").clearance == "blocked"
 
 
 def test_it_is_trusted_again_when_it_changes(senses: Senses) -> None:
@@ -81,31 +81,31 @@ def test_it_is_trusted_again_when_it_changes(senses: Senses) -> None:
     senses.cycle(FAR, cycles=5)
     assert "frozen" in str(senses.verdict().reason)
     senses.cycle(FAR - 0.1, cycles=8)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_at_rest_the_same_echo_is_right(senses: Senses) -> None:
     senses.cycle(FAR, cycles=100)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_there_and_back_is_the_same_place(senses: Senses) -> None:
     for velocity in (0.3, -0.3) * 3:
         senses.linear = velocity
         senses.cycle(FAR, cycles=2)
-    assert senses.troubles()["front_left"] == WELL
+    assert senses.troubles()["front_left"] == NO_TROUBLE
 
 
 def test_turning_does_not_freeze_it(senses: Senses) -> None:
     senses.angular = 1.0
     senses.cycle(FAR, cycles=40)
-    assert senses.troubles()["front_left"] == WELL
+    assert senses.troubles()["front_left"] == NO_TROUBLE
 
 
 def test_silence_does_not_freeze_it(senses: Senses) -> None:
     senses.linear = 0.3
     senses.cycle(None, cycles=20)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_a_wall_that_comes_nearer_as_the_robot_does_is_no_frozen_echo(senses: Senses) -> None:
@@ -114,8 +114,8 @@ def test_a_wall_that_comes_nearer_as_the_robot_does_is_no_frozen_echo(senses: Se
     for _ in range(30):
         distance -= 0.3 * CYCLE
         senses.cycle({"front_left": distance, "front_right": distance, "rear": 6.0 - distance})
-    assert senses.verdict().freedom == "free"
-    assert senses.troubles() == dict.fromkeys(senses.robot.sensors, WELL)
+    assert senses.verdict().clearance == "free"
+    assert senses.troubles() == dict.fromkeys(senses.robot.sensors, NO_TROUBLE)
 
 
 def test_any_range_at_all_is_worth_creeping_at_most() -> None:
@@ -129,7 +129,7 @@ def test_any_range_at_all_is_worth_creeping_at_most() -> None:
             assert "jumps as no surface does" in str(senses.troubles()["front_left"])
     assert max(most) == pytest.approx(0.1)
     senses.cycle(cycles=25)
-    assert senses.verdict().freedom == "free"
+    assert senses.verdict().clearance == "free"
 
 
 def test_some_wild_readings_are_not_held_against_a_sensor() -> None:
@@ -138,7 +138,7 @@ def test_some_wild_readings_are_not_held_against_a_sensor() -> None:
     for _ in range(400):
         wild = choose.random() < 0.05
         senses.cycle({"front_left": (choose.uniform(0.02, 4.0) if choose.random() < 0.5 else None) if wild else FAR})
-        assert senses.troubles()["front_left"] == WELL
+        assert senses.troubles()["front_left"] == NO_TROUBLE
 
 
 def test_a_wall_so_slanted_that_it_is_heard_now_and_then_is_not_held_against_a_sensor() -> None:
@@ -149,7 +149,7 @@ def test_a_wall_so_slanted_that_it_is_heard_now_and_then_is_not_held_against_a_s
         heard = choose.random()
         distance = 1.5 if heard < 0.2 else None if heard < 0.6 else 1.5 * choose.uniform(1.3, 2.6)
         senses.cycle({"front_left": distance})
-        held_against += senses.troubles()["front_left"] != WELL
+        held_against += senses.troubles()["front_left"] != NO_TROUBLE
     assert held_against < 25
 
 
@@ -158,7 +158,7 @@ def test_where_the_wheels_are_not_heard_no_sensor_is_called_frozen(senses: Sense
     for _ in range(10):
         senses.wait(CYCLE, wheels=False)
         senses.hear(FAR)
-    assert senses.troubles()["front_left"] == WELL
+    assert senses.troubles()["front_left"] == NO_TROUBLE
 
 
 def test_a_wrapped_counter_is_no_leap(senses: Senses) -> None:

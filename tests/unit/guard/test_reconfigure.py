@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from giraff_guard.config import GuardConfig
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.guard.rig import CONFIG, FAR, ROBOT, Rig
 from tests.unit.guard.senses import Senses, opened
 
@@ -20,18 +20,18 @@ def test_a_larger_margin_blocks_either_way(way: str) -> None:
     senses = opened(distance=0.8)
     assert senses.allowed(way) > 0.1
     tightened(senses, margin=0.8)
-    assert senses.verdict(way).freedom == "blocked"
+    assert senses.verdict(way).clearance == "blocked"
 
 
 @pytest.mark.parametrize("sensor", ROBOT.sensors)
 def test_a_reading_older_than_the_new_budget_blinds_whichever_sensor_it_is_of(senses: Senses, sensor: str) -> None:
     senses.wait(0.3)
     senses.hear(FAR, *(name for name in ROBOT.sensors if name != sensor))
-    assert set(senses.troubles().values()) == {WELL}
+    assert set(senses.troubles().values()) == {NO_TROUBLE}
     tightened(senses, range_budget=0.2)
     sensors = senses.troubles()
     assert "stale" in str(sensors.pop(sensor))
-    assert set(sensors.values()) == {WELL}
+    assert set(sensors.values()) == {NO_TROUBLE}
 
 
 def test_a_shorter_way_makes_a_repeated_echo_frozen(senses: Senses) -> None:
@@ -100,14 +100,14 @@ def test_what_is_tightened_outlasts_a_new_epoch() -> None:
     senses.obstacles.forget()
     senses.cycle(0.8, cycles=8)
     for way in ("forward", "backward"):
-        assert senses.verdict(way).freedom == "blocked"
+        assert senses.verdict(way).clearance == "blocked"
 
 
 def test_a_shorter_trust_in_silence(senses: Senses) -> None:
     senses.cycle(None, cycles=30)
-    assert senses.verdict().freedom == "free"
-    tightened(senses, proof_time=1.0, fade_time=3.0)
-    assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
+    assert senses.verdict().clearance == "free"
+    tightened(senses, trust_full_time=1.0, trust_end_time=3.0)
+    assert senses.allowed() == pytest.approx(CONFIG.untrusted_speed)
 
 
 def test_what_fell_silent_may_stand_farther_beside_its_spot(senses: Senses) -> None:
@@ -115,7 +115,7 @@ def test_what_fell_silent_may_stand_farther_beside_its_spot(senses: Senses) -> N
     senses.angular = -1.0
     senses.cycle(None, cycles=8)
     senses.angular = 0.0
-    tightened(senses, held_beside=0.01)
+    tightened(senses, silent_beside=0.01)
     assert "beside" not in str(senses.verdict().reason)
-    tightened(senses, held_beside=0.6)
+    tightened(senses, silent_beside=0.6)
     assert "beside" in str(senses.verdict().reason)

@@ -21,7 +21,7 @@ def test_a_stop_takes_the_run_on_besides() -> None:
     senses = opened(ROBOT, BALANCER)
     senses.cycle({"front_left": 0.7, "front_right": 0.7}, cycles=3)
     with_run_on = senses.verdict()
-    assert with_run_on.freedom == "slow"
+    assert with_run_on.clearance == "slow"
     room = stopping_distance(with_run_on.allowed, BALANCER.reaction_time, 0.35, 0.12)
     senses.live.replace(msgspec.structs.replace(BALANCER, run_on=0.0))
     without = senses.allowed()
@@ -29,14 +29,14 @@ def test_a_stop_takes_the_run_on_besides() -> None:
     assert with_run_on.allowed < without - 0.05
 
 
-@pytest.mark.parametrize(("behind", "freedom"), [(LEAST - 0.01, "blocked"), (LEAST + 0.01, "free"), (None, "free")])
-def test_an_echo_behind_blocks_the_way_ahead_and_a_silence_does_not(behind: float | None, freedom: str) -> None:
+@pytest.mark.parametrize(("behind", "clearance"), [(LEAST - 0.01, "blocked"), (LEAST + 0.01, "free"), (None, "free")])
+def test_an_echo_behind_blocks_the_way_ahead_and_a_silence_does_not(behind: float | None, clearance: str) -> None:
     senses = opened(ROBOT, BALANCER)
     senses.cycle({"rear": behind}, cycles=3)
     senses.hear(FAR, "front_left", "front_right")
     judged = senses.verdict()
-    assert judged.freedom == freedom
-    if behind is not None and freedom == "blocked":
+    assert judged.clearance == clearance
+    if behind is not None and clearance == "blocked":
         assert judged.reason.what == "rear sees something at 0.28 m, and the robot would first roll back towards it"
         assert (judged.sensor, judged.reason.remedy, senses.allowed("turn_left")) == (
             "rear",

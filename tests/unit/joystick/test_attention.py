@@ -17,7 +17,7 @@ from giraff_joystick.hand_detector import (
     Counts,
     HandDetector,
 )
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_sim.world.bno055 import GRAVITY, Vector
 from tests.unit.joystick.frames import ANGLE
 from tests.unit.joystick.hands import MODAL_TREMOR, NOISE, PERIOD, counts, readings, tilted
@@ -40,7 +40,7 @@ def held(seconds: float, degrees: float = 30.0, seed: int = 1) -> list[Counts]:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_hand_that_holds_as_still_as_most_do_is_a_hand(seed: int) -> None:
-    assert set(judged(held(60.0, seed=seed))) == {WELL}
+    assert set(judged(held(60.0, seed=seed))) == {NO_TROUBLE}
 
 
 @given(st.floats(0.2, 5.0), st.floats(-80.0, 80.0), st.floats(-80.0, 80.0), st.integers(0, 9))
@@ -51,19 +51,19 @@ def test_a_wrist_that_hurries_is_a_hand(rate: float, begin: float, end: float, s
         way = math.degrees(rate) * max(0.0, now - 0.2)
         return tilted(begin + math.copysign(min(way, abs(end - begin)), end - begin))
 
-    assert set(judged(list(readings(turning, 1.0, tremor=MODAL_TREMOR, seed=seed)))) == {WELL}
+    assert set(judged(list(readings(turning, 1.0, tremor=MODAL_TREMOR, seed=seed)))) == {NO_TROUBLE}
 
 
 @pytest.mark.parametrize("tumbling", [0.0, 0.5, 2.9])
 def test_free_fall_is_told_by_its_first_reading(tumbling: float) -> None:
     fall = counts((0.0, tumbling, 0.0))
     before = held(0.5)
-    assert judged([*before, fall]) == [WELL] * len(before) + [FALLING]
+    assert judged([*before, fall]) == [NO_TROUBLE] * len(before) + [FALLING]
     assert DETECTION_S[FALLING] == 0.02
 
 
 def test_what_is_a_third_of_gravity_is_no_fall() -> None:
-    assert judged([counts((0.0, 0.0, 3.1))]) == [WELL]
+    assert judged([counts((0.0, 0.0, 3.1))]) == [NO_TROUBLE]
 
 
 @given(st.floats(4.0, 8.0), st.floats(12.0, 35.0), st.floats(0.0, math.tau), st.sampled_from("xyz"))
@@ -80,13 +80,13 @@ def test_a_shake_is_told_within_a_tenth_of_a_second(hertz: float, peak: float, p
 
 @pytest.mark.parametrize("knock", [(30.0, 0.0, 9.8), (-8.0, 8.0, 20.0)])
 def test_a_knock_of_one_reading_is_no_shake(knock: Vector) -> None:
-    assert set(judged([*held(0.5), counts(knock), *held(0.5)])) == {WELL}
+    assert set(judged([*held(0.5), counts(knock), *held(0.5)])) == {NO_TROUBLE}
 
 
 @pytest.mark.parametrize("end", [[counts((0.0, 0.1, 0.1))], [counts((20.0 * (-1) ** n, 0.0, 9.8)) for n in range(8)]])
 def test_it_is_over_after_half_a_second_of_quiet(end: list[Counts]) -> None:
     after = judged([*end, *held(2.0)])[len(end) :]
-    over = after.index(WELL)
+    over = after.index(NO_TROUBLE)
     assert all(after[:over])
     assert not any(after[over:])
     assert SOUND_READINGS <= over + 1 <= SOUND_READINGS + 5  # the last of the shake's own steps count, too
@@ -102,13 +102,13 @@ def test_a_thing_that_goes_on_moving_goes_on_not_counting() -> None:
 def test_equal_readings_are_a_frozen_sensor_wherever_they_stand() -> None:
     for deflected in (True, False):
         reasons = judged([(500, 0, 840)] * 11, deflected=deflected)
-        assert reasons == [WELL] * 9 + [FROZEN] * 2
+        assert reasons == [NO_TROUBLE] * 9 + [FROZEN] * 2
     assert DETECTION_S[FROZEN] == 0.2
 
 
 def test_a_sensor_that_thaws_counts_again_after_half_a_second() -> None:
     after = judged([(500, 0, 840)] * 20 + held(2.0))[20:]
-    assert after.index(WELL) == SOUND_READINGS - 1
+    assert after.index(NO_TROUBLE) == SOUND_READINGS - 1
     assert not any(after[SOUND_READINGS:])
 
 
@@ -123,13 +123,13 @@ def test_a_joystick_laid_down_is_told_within_a_second(noise: float, seed: int) -
     before = held(3.0)
     laid = list(readings(lambda _: tilted(35.0), 3.0, noise=noise, seed=seed))
     after = judged([*before, *laid])[len(before) :]
-    assert after[:49] == [WELL] * 49
+    assert after[:49] == [NO_TROUBLE] * 49
     assert set(after[49:]) == {LAID_DOWN}
     assert DETECTION_S[LAID_DOWN] == 1.0
 
 
 def test_one_that_lies_level_asks_for_nothing_and_is_no_fault() -> None:
-    assert set(judged(list(readings(lambda _: tilted(0.0), 10.0)), deflected=False)) == {WELL}
+    assert set(judged(list(readings(lambda _: tilted(0.0), 10.0)), deflected=False)) == {NO_TROUBLE}
 
 
 def test_one_laid_down_is_a_hand_again_only_once_it_is_level() -> None:
@@ -137,15 +137,15 @@ def test_one_laid_down_is_a_hand_again_only_once_it_is_level() -> None:
     for each in readings(lambda _: tilted(30.0), 2.0):
         judge(attention, each, deflected=True)
     assert {judge(attention, each, deflected=True) for each in held(5.0)} == {LAID_DOWN}
-    assert judge(attention, counts(tilted(2.0)), deflected=False) == WELL
-    assert {judge(attention, each, deflected=True) for each in held(5.0)} == {WELL}
+    assert judge(attention, counts(tilted(2.0)), deflected=False) == NO_TROUBLE
+    assert {judge(attention, each, deflected=True) for each in held(5.0)} == {NO_TROUBLE}
 
 
 def test_after_a_gap_it_starts_over() -> None:
     attention = HandDetector(Live(ANGLE))
     judge(attention, (0, 0, 10), deflected=False)
     attention.forget()
-    assert judge(attention, counts(tilted(30.0)), deflected=True) == WELL
+    assert judge(attention, counts(tilted(30.0)), deflected=True) == NO_TROUBLE
 
 
 vector = st.tuples(*[st.integers(-(2**15), 2**15 - 1)] * 3)
@@ -156,6 +156,6 @@ def test_any_readings_at_all_are_judged(seen: list[tuple[Counts, bool]]) -> None
     attention = HandDetector(Live(ANGLE))
     for each, deflected in seen:
         reason = judge(attention, each, deflected=deflected)
-        assert reason in (WELL, FALLING, SHAKEN, FROZEN, LAID_DOWN)
+        assert reason in (NO_TROUBLE, FALLING, SHAKEN, FROZEN, LAID_DOWN)
         if math.hypot(*each) < 300:
             assert reason

@@ -13,7 +13,7 @@ from giraff_core.tilt.clutch import BOUNCE
 from giraff_joystick.policy import BOARD_SILENCE, JoystickPolicy
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import DriveCommand, RobotTime, Tick, Tilt
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import FrameType, TickFrame, TiltFrame, TiltStatus
 from tests.support.operators import said
 from tests.unit.joystick.frames import ANGLE, EPOCH, ROBOT, SOURCE, tilt_frame
@@ -78,10 +78,10 @@ def test_the_sensor_is_the_services_own_fault_and_the_robot_or_the_hand_is_not(j
     joystick.on_frame(tilt_frame(9.5, status=TiltStatus.BUS_FAULT), 10.0)
     assert str(joystick.sensor_fault) == str(said(joystick, 10.0).reason)
     joystick.on_frame(tilt_frame(7.0, 0.0, 6.87), 10.1)
-    assert joystick.sensor_fault == WELL
+    assert joystick.sensor_fault == NO_TROUBLE
     joystick.on_frame(tilt_frame(epoch=0), 10.2)
     assert_fault(said(joystick, 10.2), "robot")
-    assert joystick.sensor_fault == WELL
+    assert joystick.sensor_fault == NO_TROUBLE
 
 
 def test_every_status_of_the_wire_has_its_name() -> None:

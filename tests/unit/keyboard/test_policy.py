@@ -8,7 +8,7 @@ from giraff_core.operator import ASKS_NOTHING, LINK_SILENCE
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import KEY_LASTS, Key
 from giraff_schemas.messages import DriveCommand, RobotTime, Tick
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.support.operators import said
 from tests.support.robots import ROBOT
 from tests.unit.keyboard.keyboards import EPOCH, Person, person
@@ -155,7 +155,7 @@ def test_who_drives_is_known(someone: Person) -> None:
     assert someone.policy.operator.holder == "joystick"
     assert "joystick" in str(someone.policy.operator.refusal)
     someone.hear("me", 4, seq=2)
-    assert someone.policy.operator.refusal == WELL
+    assert someone.policy.operator.refusal == NO_TROUBLE
 
 
 def test_the_space_bar_stops_at_once_and_until_base_has_confirmed(someone: Person) -> None:

@@ -10,7 +10,7 @@ from giraff_keyboard.reset_request import ASKS_FOR, READ_FIRST, ResetRequest
 from giraff_schemas.actions import KEYS
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from tests.unit.keyboard.keyboards import EPOCH, person
 
 RELEASED = EStopAnswer(done=True, engaged=False, id=4)
@@ -78,7 +78,7 @@ def test_r_asks_and_y_releases_the_latch_that_is_shown_with_the_robots_time_of_t
     base.wait(0.3)
     base.answer = RELEASED
     base.wait(0.1)
-    assert base.keys.outcome == WELL
+    assert base.keys.outcome == NO_TROUBLE
     attempts = base.attempts
     base.wait(1.0)
     assert base.attempts == attempts
@@ -122,7 +122,7 @@ def test_a_yes_counts_once_one_has_read_and_while_the_question_stands() -> None:
 def test_a_question_that_nobody_answers_goes(base: Base) -> None:
     base.press(Key.RESET)
     base.wait(ASKS_FOR + 0.2)
-    assert base.keys.outcome == WELL
+    assert base.keys.outcome == NO_TROUBLE
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from giraff_core.estop.request import EStopRequest
 from giraff_keyboard.stop_hold import StopHold
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 class Line:
@@ -47,7 +47,7 @@ def test_nothing_is_asked_before_the_space_bar() -> None:
     line = Line()
     stopping = EStopRequest(line.ask, is_open=False)
     assert not stopping.poll(0.0)
-    assert (line.requests, stopping.asked, stopping.outcome) == (0, False, WELL)
+    assert (line.requests, stopping.asked, stopping.outcome) == (0, False, NO_TROUBLE)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from giraff_core.robot import RobotConfig
 from giraff_localization.cloud import Beam, Cloud
 from giraff_localization.clusters import clusters
 from giraff_localization.range_table import BIN
-from giraff_localization.way import Stride
+from giraff_localization.track import Stride
 from tests.support.robots import ROBOT
 from tests.unit.localization.rooms import floor
 

@@ -10,8 +10,8 @@ from giraff_core.kinematics.calibration import EXACTLY
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.clusters import Cluster
 from giraff_localization.judgement import Fits, Judgement
-from giraff_localization.way import Stride
-from giraff_schemas.trouble import WELL
+from giraff_localization.track import Stride
+from giraff_schemas.trouble import NO_TROUBLE
 
 HERE, THERE = Pose(1.0, 1.0, 0.0), Pose(4.0, 1.0, 0.0)
 
@@ -23,7 +23,13 @@ def cluster(pose: Pose = HERE, mass: float = 0.99, spread: float = 0.1) -> Clust
     return Cluster(pose, mass, spread, EXACTLY)
 
 
-GOOD: dict[str, Any] = {"found": [cluster()], "rivals": [cluster()], "fits": Fits(0.9, 0.9), "lead": 5.0, "twins": []}
+GOOD: dict[str, Any] = {
+    "found": [cluster()],
+    "rivals": [cluster()],
+    "fits": Fits(0.9, 0.9),
+    "lead": 5.0,
+    "equivalents": [],
+}
 
 
 def drive(judgement: Judgement, metres: float, **changed: Any) -> None:
@@ -52,7 +58,7 @@ def test_it_takes_three_metres_on_which_all_agrees(judgement: Judgement) -> None
     assert said(judgement) == "lost"
     assert "not found yet" in str(judgement.reason)
     drive(judgement, 0.3)
-    assert (said(judgement), judgement.reason, judgement.way) == ("localized", WELL, 0.0)
+    assert (said(judgement), judgement.reason, judgement.way) == ("localized", NO_TROUBLE, 0.0)
 
 
 def test_where_somebody_has_told_it_two_metres_are_enough_and_no_challenger_needed() -> None:
@@ -78,7 +84,7 @@ def test_where_somebody_has_told_it_two_metres_are_enough_and_no_challenger_need
         {"rivals": []},
         {"rivals": [cluster(THERE)]},
         {"rivals": [cluster(mass=0.8), cluster(THERE, mass=0.2)]},
-        {"twins": [THERE]},
+        {"equivalents": [THERE]},
     ],
     ids=str,
 )
@@ -96,7 +102,7 @@ def test_one_thing_that_does_not_agree_is_enough_against_it(judgement: Judgement
         ({"found": [cluster(mass=0.7), cluster(THERE, mass=0.3)]}, 0.1),
         ({"found": [cluster(spread=0.8)]}, 0.1),
         ({"lead": -1.5}, 0.1),
-        ({"twins": [THERE]}, 0.1),
+        ({"equivalents": [THERE]}, 0.1),
         ({"fits": Fits(0.9, 0.4)}, 0.6),
         ({"fits": Fits(0.9, 0.9, unheard=3.1)}, 0.6),
         ({"fits": Fits(0.65, 0.9)}, 5.1),
@@ -190,10 +196,10 @@ def test_several_places_are_ambiguous_best_first(judgement: Judgement, there: Po
 
 
 def test_a_twin_is_a_candidate_that_no_particle_believes(judgement: Judgement) -> None:
-    drive(judgement, 1.0, twins=[THERE])
+    drive(judgement, 1.0, equivalents=[THERE])
     assert judgement.state == "ambiguous"
     assert judgement.candidates[1].belief == 0.0
-    assert judgement.others == [], "which do not become twins again"
+    assert judgement.others == [], "which do not become equivalents again"
 
 
 def test_places_that_explain_little_are_no_candidates_to_choose_from(judgement: Judgement) -> None:
@@ -210,7 +216,7 @@ def test_the_map_is_doubted_after_forty_metres_on_which_no_place_fits(judgement:
 
 
 def test_equal_rooms_are_no_reason_to_doubt_the_map(judgement: Judgement) -> None:
-    drive(judgement, 60.0, twins=[THERE])
+    drive(judgement, 60.0, equivalents=[THERE])
     assert "2 places fit" in str(judgement.reason)
 
 

@@ -365,7 +365,7 @@ def test_memory_stays_flat(lost: LocalizationPolicy) -> None:
             lost.on_global(LocalizationGlobal(by="test", id=number + 1))
     assert len(lost._readings._waiting) <= 100
     assert all(len(each) <= 12 for each in lost._readings._heard.values())
-    assert len(lost._way._moments) <= 400
+    assert len(lost._track._moments) <= 400
     assert len(lost._granted) <= 64
 
 

@@ -11,9 +11,9 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.cloud import Beam
 from giraff_localization.clusters import are_near
+from giraff_localization.equivalent_places import EquivalentPlaces
 from giraff_localization.range_table import CLEAR
-from giraff_localization.twins import Twins
-from giraff_localization.way import Stride
+from giraff_localization.track import Stride
 from giraff_maps.floor_plan import FloorPlan
 from tests.unit.localization.rooms import floor, outline
 
@@ -42,7 +42,7 @@ def heard(pose: Pose) -> list[Beam]:
     return beams
 
 
-def drive(twins: Twins, here: Pose, stride: Stride, metres: float, candidate: Pose | None = None) -> Pose:
+def drive(twins: EquivalentPlaces, here: Pose, stride: Stride, metres: float, candidate: Pose | None = None) -> Pose:
     """Return where the robot is after this way."""
     for number in range(round(metres / 0.1)):
         others = [candidate] if candidate is not None and number == 0 else []
@@ -52,13 +52,13 @@ def drive(twins: Twins, here: Pose, stride: Stride, metres: float, candidate: Po
 
 
 def test_a_place_turned_round_beside_the_best_is_a_twin() -> None:
-    twins, here = Twins(floor(HALL)), Pose(3.75, 1.3, 0.0)
+    twins, here = EquivalentPlaces(floor(HALL)), Pose(3.75, 1.3, 0.0)
     drive(twins, drive(twins, here, AHEAD, 0.2), AHEAD, 0.5, turned(here))
     assert len(twins.poses) == 1
 
 
 def test_a_twin_is_left_after_a_long_way_although_it_was_not_known_exactly() -> None:
-    twins, here = Twins(floor(HALL)), Pose(1.0, 1.3, 0.0)
+    twins, here = EquivalentPlaces(floor(HALL)), Pose(1.0, 1.3, 0.0)
     here = drive(twins, here, AHEAD, 0.2)
     there = turned(here)
     here = drive(twins, here, AHEAD, 5.8, there._replace(x=there.x + 0.1, yaw=there.yaw + 0.12))
@@ -71,6 +71,6 @@ def test_a_twin_is_left_after_a_long_way_although_it_was_not_known_exactly() -> 
 
 @pytest.mark.parametrize("place", [Pose(4.0, 1.3, math.pi / 2.0), Pose(4.5, 1.0, 0.0)], ids=str)
 def test_a_place_where_other_things_would_be_heard_is_no_twin_for_long(place: Pose) -> None:
-    twins = Twins(floor(HALL))
+    twins = EquivalentPlaces(floor(HALL))
     drive(twins, drive(twins, Pose(1.0, 1.3, 0.0), AHEAD, 0.2), AHEAD, 4.0, place)
     assert twins.poses == []

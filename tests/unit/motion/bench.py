@@ -19,6 +19,7 @@ from giraff_schemas.localization import LocalizationState
 from giraff_schemas.messages import (
     BaseState,
     BoardState,
+    DirectionLimit,
     DriveCommand,
     EStop,
     GuardState,
@@ -26,7 +27,6 @@ from giraff_schemas.messages import (
     RobotTime,
     Sample,
     Tick,
-    Verdict,
 )
 from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionHold, MotionRequest, MotionState
 from giraff_schemas.trouble import Trouble
@@ -44,9 +44,9 @@ HOLD_PERIODS: Final = 2
 """From one word of the requester to the next: 25 in a second."""
 ARMS: Final = 10
 """Neutral commands in a row, which arm."""
-FREE: Final = Verdict(allowed=1.0, freedom="free", sensor="")
-BLOCKED: Final = Verdict(
-    allowed=0.0, freedom="blocked", sensor="front_left", reason=Trouble("wall at 0.20 m", "back away")
+FREE: Final = DirectionLimit(allowed=1.0, clearance="free", sensor="")
+BLOCKED: Final = DirectionLimit(
+    allowed=0.0, clearance="blocked", sensor="front_left", reason=Trouble("wall at 0.20 m", "back away")
 )
 _BOARD: Final = BoardState(
     connected=True, boot_id=1, drive_state="", latch="", last_refusal="", accepted=0, refused=0, line_errors=0

@@ -140,6 +140,6 @@ def test_a_late_motion_tells_what_slowed_it_for_long(
     while not (state := bench.state()).outcome:
         bench.slowed = "a wheel is doubted" if base[0] < state.elapsed < base[1] else ""
         slows = guard and guard[0] < state.elapsed < guard[1]
-        bench.ways["forward"] = msgspec.structs.replace(FREE, freedom="slow") if slows else FREE
+        bench.ways["forward"] = msgspec.structs.replace(FREE, clearance="slow") if slows else FREE
         bench.step()
     assert str(state.reason).startswith(f"not there after 3.0 s: {why}")

@@ -285,7 +285,7 @@ def test_a_step_whose_goal_has_come_to_the_robot_is_over(bench: Bench) -> None:
 @given(POSES, POSES, st.floats(-9.0, 9.0), st.floats(-9.0, 9.0))
 def test_a_goal_is_placed_where_it_is(odom: Pose, robot: Pose, x: float, y: float) -> None:
     known = Localized()
-    known.hear(map_pose(odom, robot, None), 0.0)
+    known.on_pose(map_pose(odom, robot, None), 0.0)
     placed = known.placed(in_map(x, y))
     assert Pose(placed.goal.x, placed.goal.y, 0.0).placed_in(odom)[:2] == pytest.approx((x, y), abs=1e-9)
     assert not placed.correction(odom, robot).is_large

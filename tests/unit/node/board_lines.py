@@ -9,7 +9,7 @@ from giraff_node.boards.board_link import BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, UNPLUGGED, SerialLink
 from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.framing import encode
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import BASE_BAUD, PROTOCOL_HASH, BoardKind, Frame, HelloFrame
 
 BYTE = 10 / BASE_BAUD
@@ -38,7 +38,7 @@ class FakeLine(SerialLink):
         if self._is_open or not self.is_there or now < self._next:
             return False
         self._next = now + REOPEN_PERIOD
-        self._is_open, self.fault = True, WELL
+        self._is_open, self.fault = True, NO_TROUBLE
         self.opened += 1
         self.coming = [(at, data) for at, data in self.coming if at > now]
         return True

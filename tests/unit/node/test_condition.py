@@ -7,7 +7,7 @@ import msgspec
 from giraff_node.process.health import HealthState
 from giraff_node.process.logs import service_logger
 from giraff_schemas.health import Health
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 NO_ROBOT = Trouble("no robot is heard", "start one", "run", "giraff run")
 
@@ -23,9 +23,9 @@ def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
     assert not condition.health().ok
     assert condition.health().faults == (Trouble("unplugged"), Trouble("full"))
     assert condition.summary == f"unplugged; full; {NO_ROBOT}"
-    condition.set_fault("board", WELL)
-    condition.set_fault("disk", WELL)
-    condition.set_notice("link", WELL)
+    condition.set_fault("board", NO_TROUBLE)
+    condition.set_fault("disk", NO_TROUBLE)
+    condition.set_notice("link", NO_TROUBLE)
     assert condition.health().ok
     assert condition.summary == "well"
 

@@ -14,7 +14,7 @@ import pytest
 from giraff_health.ask import ask
 from giraff_node.process.health_socket import RETRY, TOUCHED, HealthSocket
 from giraff_schemas.health import Health
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 HEALTH = Health(
     service="base", instance="1", host="h", pid=7, uptime=1.0, ok=False, faults=(Trouble("x"),), notices=(Trouble("y"),)
@@ -53,7 +53,7 @@ def path_of(answerer: HealthSocket) -> Path:
 
 
 def test_who_connects_is_told_the_health_as_one_line(answerer: HealthSocket) -> None:
-    assert answerer.fault == WELL
+    assert answerer.fault == NO_TROUBLE
     client = connected(path_of(answerer))
     descriptor = answerer.descriptor()
     assert descriptor is not None
@@ -100,7 +100,7 @@ def test_without_a_runtime_directory_there_is_none() -> None:
         answerer.keep_open(0.0)
         answerer.answer(lambda: HEALTH)
         assert answerer.descriptor() is None
-        assert answerer.fault == WELL
+        assert answerer.fault == NO_TROUBLE
         answerer.close()
 
 
@@ -113,7 +113,7 @@ def test_what_a_dead_process_left_is_replaced(tmp_path: Path, what: str) -> None
         (tmp_path / "base.sock").write_text("left over")
     (tmp_path / "base.lock").touch()
     answerer = opened(tmp_path)
-    assert answerer.fault == WELL
+    assert answerer.fault == NO_TROUBLE
     client = connected(tmp_path / "base.sock")
     answerer.answer(lambda: HEALTH)
     assert told(client)
@@ -132,7 +132,7 @@ def test_a_second_process_says_so_and_takes_over_when_the_first_has_ended(tmp_pa
     second.keep_open(RETRY / 2)
     assert second.fault  # it is not asked for in every turn
     second.keep_open(RETRY)
-    assert second.fault == WELL
+    assert second.fault == NO_TROUBLE
     client = connected(tmp_path / "base.sock")
     second.answer(lambda: HEALTH)
     assert told(client)
@@ -143,16 +143,16 @@ def test_a_second_process_says_so_and_takes_over_when_the_first_has_ended(tmp_pa
 def test_the_file_of_faults_is_written_on_a_change_and_touched_as_long_as_the_loop_turns(tmp_path: Path) -> None:
     answerer, file = opened(tmp_path), tmp_path / "base.faults"
     second = opened(tmp_path)
-    second.tell(0.0, "of a second process\n")
+    second.update(0.0, "of a second process\n")
     assert not file.exists()
-    answerer.tell(0.0, "")
+    answerer.update(0.0, "")
     assert file.read_text() == ""
     os.utime(file, (1.0, 1.0))
-    answerer.tell(TOUCHED / 2, "")
+    answerer.update(TOUCHED / 2, "")
     assert file.stat().st_mtime == 1.0  # it costs no more than it must
-    answerer.tell(TOUCHED, "")
+    answerer.update(TOUCHED, "")
     assert file.stat().st_mtime > 1.0
-    answerer.tell(TOUCHED * 1.1, "unplugged\n")
+    answerer.update(TOUCHED * 1.1, "unplugged\n")
     assert file.read_text() == "unplugged\n"
     answerer.close()
     assert not file.exists()
@@ -160,15 +160,15 @@ def test_the_file_of_faults_is_written_on_a_change_and_touched_as_long_as_the_lo
 
 def test_an_old_word_does_not_stay_where_a_new_one_cannot_be_written(tmp_path: Path) -> None:
     answerer, file = opened(tmp_path), tmp_path / "base.faults"
-    answerer.tell(0.0, "")
+    answerer.update(0.0, "")
     (tmp_path / "base.faults.new").mkdir()
-    answerer.tell(1.0, "unplugged\n")
+    answerer.update(1.0, "unplugged\n")
     assert not file.exists()
     assert "base.faults" in str(answerer.fault)
     (tmp_path / "base.faults.new").rmdir()
-    answerer.tell(2.0, "")
+    answerer.update(2.0, "")
     assert file.read_text() == ""
-    assert answerer.fault == WELL
+    assert answerer.fault == NO_TROUBLE
     answerer.close()
 
 
@@ -188,7 +188,7 @@ def test_a_directory_in_the_sockets_place_is_a_fault_until_it_is_gone(tmp_path: 
     assert "base.sock" in str(answerer.fault)
     (tmp_path / "base.sock").rmdir()
     answerer.keep_open(RETRY)
-    assert answerer.fault == WELL
+    assert answerer.fault == NO_TROUBLE
     answerer.close()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from giraff_node.network.key_bundle import BUNDLE_FILE, BundleError, ExpiryWatch, read_bundle
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 
 TEXT = """
 name = "robot"
@@ -73,7 +73,7 @@ def test_keys_that_were_renewed_meanwhile_count_from_the_next_start(tmp_path: Pa
     watch = ExpiryWatch(tmp_path)
     (tmp_path / BUNDLE_FILE).write_text(TEXT.replace("2028-11", "2030-11"))
     assert "have expired" in str(watch.warning(datetime(2029, 1, 1, tzinfo=UTC)))
-    assert ExpiryWatch(tmp_path).warning(datetime(2029, 1, 1, tzinfo=UTC)) == WELL
+    assert ExpiryWatch(tmp_path).warning(datetime(2029, 1, 1, tzinfo=UTC)) == NO_TROUBLE
 
 
 def test_where_nothing_can_be_told_that_is_told(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from giraff_core.lease import ASK, LeaseClient
 from giraff_schemas.messages import Lease
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 def lease(holder: str, counter: int = 0, seq: int = 0, guard: str = "guard-1", reason: str = "as it is") -> Lease:
@@ -35,7 +35,7 @@ def test_it_asks_from_its_start_until_it_is_given_the_lease(seeker: LeaseClient,
     assert seeker.refusal == Trouble("held by keyboard")
     seeker.on_lease(lease("me", 5, seq=2))
     assert seeker.counter(wishes=wishes) == 5
-    assert (seeker.holds, seeker.refusal) == (True, WELL)
+    assert (seeker.holds, seeker.refusal) == (True, NO_TROUBLE)
 
 
 def test_a_lost_lease_is_asked_for_by_each_wish_and_by_nothing_else(lost: LeaseClient) -> None:

@@ -17,7 +17,7 @@ from giraff_node.boards.board_link import SILENCE, BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
 from giraff_schemas.boards import RANGER_BOARD
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, TickFrame
 from tests.unit.node.ports import FakePort
 
@@ -50,8 +50,8 @@ def test_an_absent_port_is_named_and_tried_again_in_time(tmp_path: Path) -> None
     fake = FakePort(tmp_path / "absent")
     assert not link.keep_open(REOPEN_PERIOD / 2)
     assert link.keep_open(REOPEN_PERIOD)
-    assert (link.fault, link.opened) == (WELL, 1)
-    link.close(WELL)
+    assert (link.fault, link.opened) == (NO_TROUBLE, 1)
+    link.close(NO_TROUBLE)
     fake.close()
 
 
@@ -62,7 +62,7 @@ def test_what_was_queued_before_the_opening_is_dropped(port: FakePort) -> None:
     assert link.read() == b""
     port.say(b"now")
     assert link.read() == b"now"
-    link.close(WELL)
+    link.close(NO_TROUBLE)
 
 
 def test_what_comes_while_the_port_is_being_opened_is_dropped(port: FakePort, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +77,7 @@ def test_what_comes_while_the_port_is_being_opened_is_dropped(port: FakePort, mo
     link = SerialLink(str(port.link), BAUD)
     assert link.keep_open(0.0)
     assert link.read() == b""
-    link.close(WELL)
+    link.close(NO_TROUBLE)
 
 
 def test_what_an_earlier_process_has_left_unsent_is_dropped(port: FakePort) -> None:
@@ -90,7 +90,7 @@ def test_what_an_earlier_process_has_left_unsent_is_dropped(port: FakePort) -> N
         assert link.keep_open(0.0)
         link.send(b"now")
         heard = drained(port, link, b"now")
-        link.close(WELL)
+        link.close(NO_TROUBLE)
     assert len(heard) <= 4096 + 3
     assert heard.lstrip(b"x") == b"now"
 
@@ -99,7 +99,7 @@ def test_a_port_in_use_is_named(port: FakePort, link: SerialLink) -> None:
     other = SerialLink(str(port.link), BAUD)
     assert not other.keep_open(0.0)
     assert "in use by another process" in str(other.fault)
-    assert link.fault == WELL
+    assert link.fault == NO_TROUBLE
 
 
 def test_an_unplugged_port_is_named_and_reopened_by_path(port: FakePort, link: SerialLink) -> None:
@@ -230,7 +230,7 @@ def test_nothing_is_believed_before_a_matching_hello(port: FakePort, ranger: Boa
     assert "no reports from a ranger board" in str(ranger.fault)
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
     assert ranger.poll(0.2) == [HELLO, PING]
-    assert ranger.fault == WELL
+    assert ranger.fault == NO_TROUBLE
 
 
 def test_hello_is_asked_for_until_it_is_answered(port: FakePort, ranger: BoardLink) -> None:
@@ -265,7 +265,7 @@ def test_a_board_that_changes_is_judged_anew(port: FakePort, ranger: BoardLink) 
     assert ranger.hello is None
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
     assert ranger.poll(0.3) == [HELLO, PING]
-    assert ranger.fault == WELL
+    assert ranger.fault == NO_TROUBLE
 
 
 def test_what_was_said_of_a_board_ends_when_the_port_is_opened_again(port: FakePort, ranger: BoardLink) -> None:
@@ -305,7 +305,7 @@ def test_a_port_that_stays_silent_is_named_once_and_for_all(port: FakePort, rang
     assert "silent for 1 s" in str(said[-1])
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
     ranger.poll(5.0)
-    assert ranger.fault == WELL
+    assert ranger.fault == NO_TROUBLE
 
 
 STRANGE = "bytes/s that are not this board's frames; see whether it is another device"

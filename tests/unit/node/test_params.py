@@ -18,7 +18,7 @@ from giraff_core.parameters.table import MistypedError, ParamError, Parameters
 from giraff_core.tuning import Tuning
 from giraff_node.process.state import Folder
 from giraff_schemas.params import Param, ParamSave, ParamSet
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.support.robots import BASE, ROBOT
 from tests.unit.node.asked import Asked
 
@@ -140,7 +140,7 @@ def test_a_saved_name_that_nobody_knows_may_be_a_lost_limit(tmp_path: Path, save
     params = Parameters("guard", Config(margin=0.4), ROBOT)
     server = ParameterServer("guard", "guard-1", "host", params, Folder(tmp_path), print)
     assert server.fault
-    assert server.lost == (server.fault if lost else WELL)
+    assert server.lost == (server.fault if lost else NO_TROUBLE)
     assert server.fault.remedy == "save again, or remove the file, and restart giraff_guard"
 
 

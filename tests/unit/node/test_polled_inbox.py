@@ -40,8 +40,8 @@ def test_a_turn_reads_what_has_come_and_keeps_the_newest(limit: int, kept: list[
     inbox: PolledInbox[Tick] = PolledInbox(limit, Reader(TICK, KEY, lambda name, _: told.append(name)))
     ring = Ring(map(tick, (1, 2, 3, 4)))
     inbox.subscriber = cast(Any, ring)
-    assert [each.robot_ns for each in inbox.take()] == kept
-    assert not list(inbox.take())
+    assert [each.robot_ns for each in inbox.pop_all()] == kept
+    assert not list(inbox.pop_all())
     assert not told
 
 
@@ -50,7 +50,7 @@ def test_rubbish_is_told_and_pushes_nothing_out() -> None:
     inbox: PolledInbox[Tick] = PolledInbox(1, Reader(TICK, KEY, lambda *news: told.append(news)))
     ring = Ring((tick(1), *[Received(b"rubbish")] * 250))
     inbox.subscriber = cast(Any, ring)
-    assert [each.robot_ns for each in inbox.take()] == [1]
+    assert [each.robot_ns for each in inbox.pop_all()] == [1]
     assert [name for name, _ in told] == [f"decode {KEY}"]
 
 
@@ -66,5 +66,5 @@ def test_a_flood_does_not_hold_the_turn() -> None:
 
     flood = Flood()
     inbox.subscriber = cast(Any, flood)
-    assert len(list(inbox.take())) == 200
+    assert len(list(inbox.pop_all())) == 200
     assert flood.taken == 300

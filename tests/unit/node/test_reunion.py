@@ -29,7 +29,7 @@ ONE = {BASE: ROBOT}
 def visits(partings: LostPeers, links: dict[str, Endpoint], since: float, until: float) -> list[float]:
     """When visits were due."""
     times = [since + STEP * count for count in range(round((until - since) / STEP))]
-    return [now for now in times if partings.look(now, links) is not None]
+    return [now for now in times if partings.update(now, links) is not None]
 
 
 def met(links: dict[str, Endpoint]) -> LostPeers:
@@ -52,7 +52,7 @@ def test_who_is_lost_while_its_host_is_there_is_visited(partings: LostPeers) -> 
 def test_a_visit_dials_where_the_lost_one_and_the_others_of_its_host_listen() -> None:
     lost, other = Endpoint(LAPTOP.host, "tcp/10.0.0.3:7449"), Endpoint(LAPTOP.host)
     partings = met(BOTH | {own("page"): lost, own("hand"): LAPTOP, WATCH: other})
-    dialled = [partings.look(10.0 + STEP * count, BOTH | {own("hand"): LAPTOP, WATCH: other}) for count in range(5)]
+    dialled = [partings.update(10.0 + STEP * count, BOTH | {own("hand"): LAPTOP, WATCH: other}) for count in range(5)]
     assert [each for each in dialled if each is not None] == [[LAPTOP.locator, lost.locator]]
 
 
@@ -60,7 +60,7 @@ def test_a_visit_dials_few_of_a_crowd() -> None:
     partings = met(
         BOTH | {own(f"{port}"): Endpoint(ROBOT.host, f"tcp/10.0.0.2:{port}") for port in range(20_000, 20_100)}
     )
-    assert [len(partings.look(10.0 + after, BOTH) or ()) for after in (0.0, DELAY)] == [0, 16]
+    assert [len(partings.update(10.0 + after, BOTH) or ()) for after in (0.0, DELAY)] == [0, 16]
 
 
 @pytest.mark.parametrize("stranger", ["c0ffee", own("page", "beta"), own("page")[:-1]])

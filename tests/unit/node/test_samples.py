@@ -20,15 +20,15 @@ def test_an_inbox_gives_each_sample_once_in_its_order() -> None:
     inbox: Inbox[Battery] = Inbox(10)
     for voltage in (1.0, 2.0, 3.0):
         inbox.accept(battery(voltage))
-    assert [sample.voltage for sample in inbox.take()] == [1.0, 2.0, 3.0]
-    assert list(inbox.take()) == []
+    assert [sample.voltage for sample in inbox.pop_all()] == [1.0, 2.0, 3.0]
+    assert list(inbox.pop_all()) == []
 
 
 def test_a_full_inbox_loses_the_oldest() -> None:
     inbox: Inbox[Battery] = Inbox(3)
     for voltage in range(10):
         inbox.accept(battery(voltage))
-    assert [sample.voltage for sample in inbox.take()] == [7, 8, 9]
+    assert [sample.voltage for sample in inbox.pop_all()] == [7, 8, 9]
 
 
 def test_a_sample_that_comes_while_others_are_taken_waits_for_the_next_turn() -> None:
@@ -36,20 +36,20 @@ def test_a_sample_that_comes_while_others_are_taken_waits_for_the_next_turn() ->
     inbox: Inbox[Battery] = Inbox(10)
     inbox.accept(battery(1.0))
     taken = []
-    for sample in inbox.take():
+    for sample in inbox.pop_all():
         taken.append(sample.voltage)
         inbox.accept(battery(sample.voltage + 1.0))
         assert len(taken) < 100
     assert taken == [1.0]
-    assert [sample.voltage for sample in inbox.take()] == [2.0]
+    assert [sample.voltage for sample in inbox.pop_all()] == [2.0]
 
 
 def test_the_newest_is_the_last_one_or_none() -> None:
     newest: Inbox[Battery] = Inbox(1)
-    assert list(newest.take()) == []
+    assert list(newest.pop_all()) == []
     newest.accept(battery(1.0))
     newest.accept(battery(2.0))
-    assert list(newest.take()) == [battery(2.0)]
+    assert list(newest.pop_all()) == [battery(2.0)]
 
 
 def test_each_entry_is_one_line_of_json_whatever_it_holds(capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,7 +6,7 @@ from unittest.mock import MagicMock
 
 import pytest
 
-from giraff_node import start as it
+from giraff_node import start as subject
 from giraff_node.start import main
 
 
@@ -25,10 +25,10 @@ def test_what_is_no_service_is_refused(words: list[str], said: str, capsys: pyte
 
 def test_a_robot_file_that_a_service_refuses_ends_it_with_2(monkeypatch: pytest.MonkeyPatch) -> None:
     node = MagicMock()
-    monkeypatch.setattr(it, "Node", node)
-    monkeypatch.setattr(it, "build", MagicMock(side_effect=ValueError("it has a sensor of no known type")))
+    monkeypatch.setattr(subject, "Node", node)
+    monkeypatch.setattr(subject, "build", MagicMock(side_effect=ValueError("it has a sensor of no known type")))
     node.return_value.__exit__.return_value = False
     with pytest.raises(SystemExit, match="2"):
-        it.start("guard")
+        subject.start("guard")
     log = node.return_value.__enter__.return_value.log
     assert "no known type" in str(log.error.call_args)

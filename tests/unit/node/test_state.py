@@ -13,11 +13,11 @@ import pytest
 
 from giraff_core.estop.latch import LATCH_FILE, RELEASED, EStopLatch, latch_bytes, load_latch
 from giraff_node.process.state import Folder, state_directory, write_file_durably, write_latch
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LOST = 41
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason=Trouble("space bar"))
-WHOLE = latch_bytes(EStopLatch(engaged=False, id=7, by="carer", reason=WELL)).strip()
+WHOLE = latch_bytes(EStopLatch(engaged=False, id=7, by="carer", reason=NO_TROUBLE)).strip()
 
 
 def read_latch(directory: Path) -> EStopLatch:

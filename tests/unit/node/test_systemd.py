@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from giraff_node.process.systemd import Notifier
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.support.manager import FakeManager
 
 
@@ -34,7 +34,7 @@ def test_ready_once_and_each_status_once(manager: FakeManager) -> None:
     assert manager.heard() == ["STATUS=/dev/x: unplugged", "STATUS=well"]
     notifier.stopping()
     assert manager.heard() == ["STOPPING=1"]
-    assert notifier.problem == WELL
+    assert notifier.problem == NO_TROUBLE
 
 
 def test_a_sign_of_life_at_half_the_watchdogs_time_and_by_turns_only(manager: FakeManager) -> None:
@@ -76,7 +76,7 @@ def test_nothing_is_said_where_nobody_listens() -> None:
     notifier = Notifier({})
     notifier.turn(0.0, "well")
     notifier.stopping()
-    assert notifier.problem == WELL
+    assert notifier.problem == NO_TROUBLE
 
 
 @pytest.mark.parametrize("address", ["/nowhere/notify", "relative", "vsock:2:1234", "/" + "x" * 200, "@" + "x" * 200])
@@ -96,7 +96,7 @@ def test_what_was_not_taken_is_said_again(tmp_path: Path) -> None:
     manager = FakeManager(address)
     notifier.turn(0.1, "well")
     assert manager.heard() == ["READY=1", "STATUS=well"]
-    assert notifier.problem == WELL
+    assert notifier.problem == NO_TROUBLE
     # A full queue holds nobody up, and what it did not take comes later.
     number = 0
     while number < 10_000:

@@ -72,7 +72,7 @@ def test_connections_are_looked_through_only_while_one_may_be_new(monkeypatch: p
         before = len(looks)
         for step in range(round(since * 10), round(until * 10)):
             monkeypatch.setattr(link_repair, "set_tcp_options", lambda at=step / 10: looks.append(at))
-            repair.look(step / 10)
+            repair.update(step / 10)
         return len(looks) - before
 
     open_timeout = 2.0  # s; of services/giraff_node/zenoh/peer.toml

@@ -61,7 +61,7 @@ def test_a_sample_makes_one_due_and_is_there() -> None:
     for callback in node.callbacks:
         callback(tick)
     assert node.process.wakes == 1
-    assert list(inbox.take()) == [tick]
+    assert list(inbox.pop_all()) == [tick]
 
 
 class Pipe:

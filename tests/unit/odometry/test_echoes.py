@@ -53,7 +53,7 @@ def echoes() -> Echoes:
     """A robot has driven 0.5 m ahead within 500 ms."""
     kept = Echoes(ROBOT.sensor_poses)
     for ms in range(0, 501, 10):
-        kept.hear(pose(ms, ms / 1000))
+        kept.on_odometry(pose(ms, ms / 1000))
     return kept
 
 
@@ -76,7 +76,7 @@ def test_what_has_no_place_is_left_out(echoes: Echoes, reading: Range) -> None:
 
 def test_a_pose_that_is_set_forgets_all_and_old_readings_stay_away(echoes: Echoes) -> None:
     echoes.add(echo(200, 1.0))
-    assert echoes.hear(pose(510, 0.0, jumps=1))
+    assert echoes.on_odometry(pose(510, 0.0, jumps=1))
     assert not echoes.add(echo(200, 1.0)), "it was measured in the other frame"
     assert echoes.map("one") == EchoMap(instance="one", jumps=1, cell=CELL, columns=(), rows=())
 
@@ -96,7 +96,7 @@ def test_cells_of_another_frame_are_not_taken(echoes: Echoes) -> None:
     earlier = echoes.map("one")
     late = Echoes(ROBOT.sensor_poses)
     assert not late.join(earlier), "nothing is known of the frame as yet"
-    late.hear(pose(900, 0.5))
+    late.on_odometry(pose(900, 0.5))
     assert not late.join(msgspec.structs.replace(earlier, jumps=1))
     assert not late.join(msgspec.structs.replace(earlier, instance="two"))
     assert late.points == []
@@ -133,6 +133,6 @@ def test_odometry_keeps_echoes_and_answers_who_asks() -> None:
 def test_an_echo_from_beyond_every_room_is_none() -> None:
     """One such reading ended a view, and an answer that no integer holds ended odometry's turn."""
     echoes = Echoes(ROBOT.sensor_poses)
-    echoes.hear(pose(0, 0.0))
+    echoes.on_odometry(pose(0, 0.0))
     assert [echoes.add(echo(0, distance)) for distance in (1e19, 1e308)] == [False, False]
     assert echoes.points == []

@@ -17,7 +17,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.messages import Odometry, Wheels
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.odometry.robots import PERIOD_US, ROBOT, wheels
 
 UNSURE = msgspec.structs.replace(ROBOT, calibration=Calibration())
@@ -68,7 +68,7 @@ def test_a_reset_begins_anew_here(odometry: OdometryPolicy) -> None:
     now = onward(odometry, 1, moves=False)
     assert (*pose(now), now.path) == (0.0,) * 4
     assert now.covariance == (0.0,) * 6
-    assert (now.jumps, odometry.breaks, odometry.notice) == (1, 0, WELL)
+    assert (now.jumps, odometry.breaks, odometry.notice) == (1, 0, NO_TROUBLE)
 
 
 def test_a_pose_that_was_set_is_gone_on_from_and_the_path_is_kept(odometry: OdometryPolicy) -> None:

@@ -16,7 +16,7 @@ from giraff_core.live import Live
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.messages import Odometry, Wheels
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.odometry.robots import PERIOD_US, ROBOT, wheels
 
 CONFIG = OdometryConfig()
@@ -170,7 +170,7 @@ def test_what_cannot_be_followed_costs_certainty_and_moves_nothing(sample: Wheel
     )
     moved = followed(odometry, onward)
     assert moved.path == pytest.approx(before.path + 10 / 2000)
-    assert (odometry.breaks, odometry.notice) == (1, WELL)
+    assert (odometry.breaks, odometry.notice) == (1, NO_TROUBLE)
 
 
 def test_a_gap_keeps_the_wheels_travel_and_costs_certainty_by_it() -> None:

@@ -37,7 +37,7 @@ def test_a_fault_that_any_of_six_services_finds_after_the_first_answers_is_an_in
     for tenth in range(60):
         if tenth == 40:
             faults[unwell] = (Trouble("no such port"),)
-        others.tell(incidents, clock.monotonic(), ask=tenth % 50 == 0)
+        others.dispatch(incidents, clock.monotonic(), ask=tenth % 50 == 0)
         clock.sleep(0.1)
     incident = incidents.due(clock.monotonic() + 5.0)
     assert incident is not None

@@ -143,7 +143,7 @@ def test_each_process_is_asked_as_it_comes_until_it_answers() -> None:
 
     def follow(seconds: float) -> None:
         for _ in range(round(seconds / 0.1)):
-            kept.extend(parameters.take(clock.monotonic(), clock.monotonic_ns()))
+            kept.extend(parameters.pop_all(clock.monotonic(), clock.monotonic_ns()))
             clock.sleep(0.1)
 
     with session.declare_token(alive_key(ALL.robot, "guard", INSTANCES["guard"])):

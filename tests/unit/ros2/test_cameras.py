@@ -18,7 +18,7 @@ class Eye:
     def want(self) -> None:
         self.wanted += 1
 
-    def take(self) -> Picture | None:
+    def pop_picture(self) -> Picture | None:
         tick = RobotTime(epoch=1, robot_ns=1)
         return Picture(camera="head", jpeg=b"\xff", width=1, height=1, tick=tick, stamp_ns=1)
 

@@ -9,7 +9,7 @@ from unittest.mock import MagicMock
 import msgspec
 import pytest
 
-from giraff_cli.ros2.serve import config_of, tell
+from giraff_cli.ros2.serve import config_of, print_lines
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.main import shell_lines
 from giraff_ros2.rmw.session import RosSession
@@ -51,7 +51,7 @@ def test_an_option_comes_before_the_robot_file(monkeypatch: pytest.MonkeyPatch, 
 
 
 def test_a_shell_takes_all_that_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    tell(["export ROS_DOMAIN_ID=7"])
+    print_lines(["export ROS_DOMAIN_ID=7"])
     first, line = capsys.readouterr().out.splitlines()
     assert (first[0], line) == ("#", "export ROS_DOMAIN_ID=7")
 

@@ -58,7 +58,7 @@ class Desk:
             awake = [name for name in self.publishers if name not in self.frozen | self.mute]
             for name in awake:
                 self.answers[name].on_answer(self.now - 0.1, self.now)
-            self.hand.look(self.publishers.values(), lambda process: self.answers[process], self.now)
+            self.hand.review(self.publishers.values(), lambda process: self.answers[process], self.now)
             tick = Tick(epoch=1, robot_ns=round(self.now * 1e9) + 1)
             self.hand.operator.on_tick(tick, self.now)
             self.said.append(self.hand.poll(self.now))

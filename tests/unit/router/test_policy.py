@@ -66,21 +66,21 @@ def test_no_two_rules_have_one_name() -> None:
 def test_who_comes_and_goes_is_told_once_for_each_host() -> None:
     visitors = Visitors(ROBOTS)
     two = [("anne-pc", "tls/192.0.2.1:40001"), ("anne-pc", "tls/192.0.2.1:40002")]
-    assert visitors.look(two) == ["anne-pc is here, from tls/192.0.2.1"]
-    assert visitors.look(two[:1]) == []
-    assert visitors.look([("anne-pc", "tls/192.0.2.7:40001")]) == ["anne-pc is here, from tls/192.0.2.7"]
-    assert visitors.look([]) == ["anne-pc is gone"]
+    assert visitors.update(two) == ["anne-pc is here, from tls/192.0.2.1"]
+    assert visitors.update(two[:1]) == []
+    assert visitors.update([("anne-pc", "tls/192.0.2.7:40001")]) == ["anne-pc is here, from tls/192.0.2.7"]
+    assert visitors.update([]) == ["anne-pc is gone"]
 
 
 def test_a_host_without_a_part_is_named_while_it_is_there() -> None:
     visitors = Visitors(ROBOTS)
-    visitors.look([("anne-pc", "tls/192.0.2.1:40001"), ("tablet", "tls/192.0.2.2:40001")])
+    visitors.update([("anne-pc", "tls/192.0.2.1:40001"), ("tablet", "tls/192.0.2.2:40001")])
     assert str(visitors.strangers).startswith("tablet: has a certificate, but no part")
-    visitors.look([("anne-pc", "tls/192.0.2.1:40001")])
+    visitors.update([("anne-pc", "tls/192.0.2.1:40001")])
     assert not visitors.strangers
 
 
 def test_without_certificates_nobody_is_a_stranger() -> None:
     visitors = Visitors({})
-    assert visitors.look([("somebody", "tcp/192.168.1.7:40001")]) == ["somebody is here, from tcp/192.168.1.7"]
+    assert visitors.update([("somebody", "tcp/192.168.1.7:40001")]) == ["somebody is here, from tcp/192.168.1.7"]
     assert not visitors.strangers

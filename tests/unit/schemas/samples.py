@@ -82,7 +82,7 @@ def an_example(type_: type[msgspec.Struct]) -> dict[str, Any]:
 _START = {"seq": 3, "stamp_ns": 1_700_000_000_000_000_000, "instance": "a1"}
 _TIME = {"epoch": 7, "robot_ns": 5_000_000_000}
 _WELL = {"what": "", "remedy": "", "action": "", "argument": ""}
-_VERDICT = {"allowed": 0.6, "freedom": "free", "sensor": "", "reason": _WELL}
+_VERDICT = {"allowed": 0.6, "clearance": "free", "sensor": "", "reason": _WELL}
 _BOARD = {
     "connected": True,
     "boot_id": 4,

@@ -97,4 +97,4 @@ def test_a_maker_cannot_make_what_is_not_finite() -> None:
 
 def test_a_maker_cannot_make_a_verdict_that_is_not_finite() -> None:
     with pytest.raises(ValueError, match=r"^allowed is inf, not a finite number"):
-        m.Verdict(allowed=math.inf, freedom="free", sensor="")
+        m.DirectionLimit(allowed=math.inf, clearance="free", sensor="")

@@ -22,6 +22,7 @@ from giraff_schemas.messages import GuardState, Range, SensorState, Tick, TruePo
 from giraff_schemas.trouble import Trouble
 from giraff_viewer.colours import CONES
 from giraff_viewer.cones import Cone
+from giraff_viewer.event_text import EventText
 from giraff_viewer.glyphs import drawable
 from giraff_viewer.memory import require_memory
 from giraff_viewer.plots import Values
@@ -29,7 +30,6 @@ from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
 from giraff_viewer.shapes import Strip, ellipse, headings, outline
 from giraff_viewer.show import Show
-from giraff_viewer.story import Story
 from giraff_viewer.trail import Trail
 from tests.unit.cli.samples import MS, at, attitude, base, estop, guard, odometry, reading, verdict, wheels
 
@@ -65,8 +65,8 @@ def test_odometry_moves_base_link_and_draws_the_way() -> None:
     assert paths(scene.on_sample(topics.ODOM, odometry(SECOND, 1.1, 2.0), SECOND + 10 * MS)) == set()
     numbers = first["floor/grid/numbers"].labels.as_arrow_array().to_pylist()
     assert numbers == ["x 1 m", "x 2 m", "y 2 m", "y 3 m"]
-    assert "floor/path" in paths(scene.look(SECOND + 600 * MS))
-    assert "floor/path" not in paths(scene.look(SECOND + 2000 * MS))
+    assert "floor/path" in paths(scene.update(SECOND + 600 * MS))
+    assert "floor/path" not in paths(scene.update(SECOND + 2000 * MS))
 
 
 def strips_of(archetype: Any) -> list[Any]:
@@ -167,7 +167,7 @@ def test_a_cone_has_the_colour_of_its_state(sample: Range, blocks: bool, later: 
     scene = Scene(stock("sim"))
     rows = scene.on_sample(topics.RANGE, sample, SECOND)
     rows += scene.on_sample(topics.GUARD, guard(BLOCKED if blocks else verdict()), SECOND)
-    rows += scene.look(SECOND + int(later * SECOND))
+    rows += scene.update(SECOND + int(later * SECOND))
     red, green, blue = CONES[state]
     newest = [what for path, what in rows if path == "floor/range_front_left_link"][-1]
     assert colour_of(newest) >> 8 == red << 16 | green << 8 | blue
@@ -236,13 +236,13 @@ def test_a_trail_has_no_line_over_a_jump_and_has_one_over_a_gap() -> None:
     for jumps, x in ((0, 0.0), (0, 0.1), (1, 0.2), (1, 0.3)):
         rows = scene.on_sample(topics.ODOM, msgspec.structs.replace(odometry(SECOND, x), jumps=jumps), SECOND)
         assert rows or x
-    [drawn] = [what for path, what in scene.look(2 * SECOND) if path == "floor/path"]
+    [drawn] = [what for path, what in scene.update(2 * SECOND) if path == "floor/path"]
     [strip] = drawn.strips.as_arrow_array().to_pylist()
     assert [point[0] for point in strip] == pytest.approx([0.2, 0.3])
 
 
 def test_the_log_tells_each_change_once_with_its_reason() -> None:
-    story = Story()
+    story = EventText()
     assert ("INFO", "base: driving") in story.on_sample(base())
     assert story.on_sample(base()) == []
     assert story.on_sample(base(armed=False, reason="0.31 m")) == [("WARN", "base: not armed: 0.31 m")]
@@ -258,7 +258,7 @@ def test_the_log_tells_each_change_once_with_its_reason() -> None:
 
 def test_text_of_the_network_can_be_drawn_and_breaks_no_table() -> None:
     assert drawable("a\x1b[1m \U0001f408 ö") == "a?[1m ? ö"
-    story = Story()
+    story = EventText()
     story.on_sample(guard(verdict(0.0, "blocked", "a|b", "c|d\ne")))
     assert "| a/b | c/d?e |" in story.page
 
@@ -364,8 +364,8 @@ def test_a_picture_is_shown_with_its_age_and_says_when_it_is_old() -> None:
         ]
 
     assert label(list(drawn.items())) == ["0.10 s"]
-    told = [text for tenths in range(10, 36) for text in label(scene.look(4 * SECOND + tenths * 100 * MS))]
+    told = [text for tenths in range(10, 36) for text in label(scene.update(4 * SECOND + tenths * 100 * MS))]
     assert told == ["OLD: over 0.5 s", "OLD: 1 s", "OLD: 2 s"]
     epoch_later = Tick(epoch=at(0).epoch + 1, robot_ns=0)
     scene.on_sample(topics.TICK, epoch_later, 8 * SECOND)
-    assert label(scene.look(8 * SECOND)) == ["OLD: nothing tells its age"]
+    assert label(scene.update(8 * SECOND)) == ["OLD: nothing tells its age"]

@@ -45,22 +45,22 @@ def test_a_map_takes_the_room_away_for_good() -> None:
 def test_echoes_from_before_are_there_at_the_first_pose_and_new_ones_join_them() -> None:
     scene = Scene(stock("sim"))
     scene.begin_with(EARLIER)
-    assert "floor/echoes" not in paths(scene.look(SECOND)), "it is not known whether they are of this odometry"
+    assert "floor/echoes" not in paths(scene.update(SECOND)), "it is not known whether they are of this odometry"
     scene.on_sample(topics.ODOM, odometry(SECOND, 0.0), SECOND)
     heard = msgspec.structs.replace(reading("front_left", 1.0), tick=at(SECOND))
     scene.on_sample(topics.RANGE, heard, SECOND + 20 * MS)
-    dots = dict(scene.look(2 * SECOND))["floor/echoes"].positions.as_arrow_array().to_pylist()
+    dots = dict(scene.update(2 * SECOND))["floor/echoes"].positions.as_arrow_array().to_pylist()
     sensor = stock("sim").sensors["front_left"]
     assert dots == [
         pytest.approx([1.0, 0.0]),
         pytest.approx([-2.0, 0.5]),
         pytest.approx([sensor.x + 1.0, sensor.y], abs=CELL / 2),
     ]
-    assert "floor/echoes" not in paths(scene.look(4 * SECOND)), "nothing is new"
+    assert "floor/echoes" not in paths(scene.update(4 * SECOND)), "nothing is new"
 
 
 def test_echoes_of_another_odometry_are_not_drawn() -> None:
     scene = Scene(stock("sim"))
     scene.begin_with(EARLIER)
     scene.on_sample(topics.ODOM, msgspec.structs.replace(odometry(SECOND, 0.0), jumps=1), SECOND)
-    assert "floor/echoes" not in paths(scene.look(2 * SECOND))
+    assert "floor/echoes" not in paths(scene.update(2 * SECOND))

@@ -46,12 +46,12 @@ def test_its_path_is_drawn_from_where_the_robot_was_and_the_wheels_word_is_dimme
     assert frame.translation.as_arrow_array().to_pylist()[0] == pytest.approx([1.0, -1.0, 0.0])
     for step, blind_m in enumerate((0.0, 0.1, 0.2, 0.2), start=1):
         assert look_at(scene, SECOND, path=(3.0 + 0.1 * step, 0.0, 0.0), blind_m=blind_m) == []
-    path = dict(scene.look(2 * SECOND))["floor/visual"]
+    path = dict(scene.update(2 * SECOND))["floor/visual"]
     strips = [[x for x, _ in strip] for strip in path.strips.as_arrow_array().to_pylist()]
     assert strips == [pytest.approx(xs) for xs in ([3.0, 3.1], [3.1, 3.2, 3.3], [3.3, 3.4])]
     bright, dim, again = path.colors.as_arrow_array().to_pylist()
     assert bright == again > dim
-    assert "floor/visual" not in dict(scene.look(3 * SECOND))
+    assert "floor/visual" not in dict(scene.update(3 * SECOND))
     anew = dict(look_at(scene, SECOND, instance="v2"))["frames/visual_path"]
     assert anew.translation.as_arrow_array().to_pylist()[0] == pytest.approx([1.0, 2.0, 0.0])
 
@@ -72,6 +72,6 @@ def test_its_marks_fit_the_picture_that_is_shown_and_go_when_no_more_come() -> N
     )
     [label] = apart["camera/head/vision/reason"].labels.as_arrow_array().to_pylist()
     assert "(picture: 0.00 m and 0°, wheels: 0.50 m and 6°)" in label.replace("\n", " ")
-    assert "camera/head/vision" not in dict(scene.look(SECOND + 400 * MS))
-    assert isinstance(dict(scene.look(SECOND + 600 * MS))["camera/head/vision"], rr.Clear)
-    assert "camera/head/vision" not in dict(scene.look(SECOND + 700 * MS))
+    assert "camera/head/vision" not in dict(scene.update(SECOND + 400 * MS))
+    assert isinstance(dict(scene.update(SECOND + 600 * MS))["camera/head/vision"], rr.Clear)
+    assert "camera/head/vision" not in dict(scene.update(SECOND + 700 * MS))

@@ -13,7 +13,7 @@ import pytest
 from giraff_core.sensors import Camera
 from giraff_schemas.camera import Asker, CameraHold, CameraState, Picture, Step, VisualOdometry
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, ODOM, VISUAL_ODOM
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_vision import reasons
 from giraff_vision.config import VisionConfig
 from giraff_vision.service import SILENCE, Vision
@@ -34,7 +34,7 @@ class Desk:
         self.troubles: dict[str, Trouble] = {}
         io = MagicMock(instance=_ME, hostname="robot")
         io.monotonic.return_value = 0.0
-        io.inbox = lambda topic, *_, **__: MagicMock(take=lambda: self._take(topic.key))
+        io.inbox = lambda topic, *_, **__: MagicMock(pop_all=lambda: self._take(topic.key))
         kept: dict[str, list[Any]] = {CAMERA_ON.at("head").key: self.holds, VISUAL_ODOM.key: self.told}
         io.publisher = lambda topic: MagicMock(put=kept[topic.key].append)
         io.set_fault = io.set_notice = self.troubles.__setitem__
@@ -116,7 +116,7 @@ def test_a_picture_that_cannot_be_used_is_told_and_the_next_one_counts(jpeg: byt
     assert not desk.told
     desk.picture("camera", _jpeg(120, 160), small=True)
     desk.turn()
-    assert (desk.troubles["pictures"], len(desk.told)) == (WELL, 1)
+    assert (desk.troubles["pictures"], len(desk.told)) == (NO_TROUBLE, 1)
 
 
 def test_what_is_silent_is_told() -> None:

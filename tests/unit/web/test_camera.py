@@ -10,8 +10,8 @@ import pytest
 from giraff_schemas.camera import Asker, CameraState, Picture, PictureSize
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.topics import CAMERA_STATE
-from giraff_schemas.trouble import WELL, Trouble
-from giraff_web.camera import SILENT, SLOW, PagesLooking
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_web.camera import SILENT, SLOW, PageCameras
 from giraff_web.config import WebConfig
 from giraff_web.messages import Look, Looking
 from giraff_web.pages import Closed, Event, Opened, Said
@@ -27,14 +27,14 @@ class Source:
 
     def __init__(self, camera: str, by: str) -> None:
         self.camera, self.by = camera, by
-        self.trouble = WELL
+        self.trouble = NO_TROUBLE
         self.wanted: list[PictureSize] = []
         self.is_closed = False
 
     def want(self, *, largest: PictureSize = "full") -> None:
         self.wanted.append(largest)
 
-    def take(self) -> Picture | None:
+    def pop_picture(self) -> Picture | None:
         tick = RobotTime(epoch=7, robot_ns=len(self.wanted))
         jpeg = b"jpeg %d" % len(self.wanted)
         return Picture(camera=self.camera, jpeg=jpeg, width=320, height=240, tick=tick)
@@ -51,10 +51,10 @@ class Desk:
         self.told: list[tuple[int, Looking]] = []
         self.sent: list[tuple[int, bytes]] = []
         pages = MagicMock()
-        pages.tell = lambda page, message: self.told.append((page, message))
+        pages.send = lambda page, message: self.told.append((page, message))
         pages.send_picture = lambda page, data: self.sent.append((page, data))
         self.now = 10.0
-        self.it = PagesLooking(pages, "web@desk", self._open)
+        self.it = PageCameras(pages, "web@desk", self._open)
         self.it.on_state(STATE, self.now)
 
     @property
@@ -92,7 +92,7 @@ def test_nobody_looks_until_a_person_switches_it_on_and_then_all_who_do_are_name
     desk.it.switch(2, LAPTOP, on=True)
     assert desk.turn() == [1, 2]
     assert (desk.source.camera, desk.source.by) == ("front", f"web@desk ({PHONE}, {LAPTOP})")
-    assert desk.told == [(page, Looking(on=True, why=WELL)) for page in (1, 2)]
+    assert desk.told == [(page, Looking(on=True, why=NO_TROUBLE)) for page in (1, 2)]
     desk.it.switch(2, LAPTOP, on=False)
     assert (desk.source.by, desk.source.is_closed) == (f"web@desk ({PHONE})", False)
     desk.it.on_closed(1)
@@ -169,17 +169,17 @@ def test_every_page_is_told_who_looks_and_what_is_wrong(desk: Desk) -> None:
     silent = desk.it.view(20.1 + SILENT)
     assert silent is not None
     assert (silent.askers, silent.why.what) == ((), "no camera of the robot is heard")
-    assert PagesLooking(MagicMock(), "web@desk", None).view(0.0) is None
+    assert PageCameras(MagicMock(), "web@desk", None).view(0.0) is None
 
 
 @pytest.mark.parametrize("may_drive", [False, True])
 def test_a_page_that_may_not_drive_is_sent_no_picture(may_drive: bool) -> None:
     io, pages, sources = MagicMock(instance="me", hostname="desk"), MagicMock(), MagicMock()
-    inboxes = {CAMERA_STATE.key: MagicMock(take=lambda: [STATE])}
-    io.inbox = lambda topic, **_: inboxes.get(topic.key, MagicMock(take=list))
+    inboxes = {CAMERA_STATE.key: MagicMock(pop_all=lambda: [STATE])}
+    io.inbox = lambda topic, **_: inboxes.get(topic.key, MagicMock(pop_all=list))
     web = Web(io, WebConfig(), ROBOT, pages, lambda _: None, None, sources)
-    sources.return_value.take.return_value = Source("front", "").take()
-    sources.return_value.trouble = WELL
+    sources.return_value.pop_picture.return_value = Source("front", "").pop_picture()
+    sources.return_value.trouble = NO_TROUBLE
     said: list[Event] = [Opened(1, PHONE, may_drive), Said(1, Look(on=True))]
     for turn in range(10):
         pages.poll.return_value = said if turn == 3 else [Closed(1)] if turn == 8 else []

@@ -16,7 +16,7 @@ from giraff_core.network import NetworkConfig
 from giraff_keys.certificates import PROGRAM_MADE, addresses_of
 from giraff_keys.files import read_certificate
 from giraff_keys.host_names import Address
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_web.server.certificates import (
     FOLDER,
     CertificateProblemError,
@@ -37,7 +37,7 @@ def leaf(state: Path) -> x509.Certificate:
 def made(state: Path, names: tuple[Address, ...] = NAMES, now: timedelta = timedelta()) -> x509.Certificate:
     """The host's certificate after a start then."""
     _, problem = made_certificate(state, "desk", names, NOW + now)
-    assert problem == WELL
+    assert problem == NO_TROUBLE
     return leaf(state)
 
 
@@ -159,7 +159,7 @@ def test_a_secured_network_has_its_own(tmp_path: Path) -> None:
     keys = authority(tmp_path / "keys")
     network = NetworkConfig(mode="secured", keys=str(bundle(keys)), access=AccessConfig(robot=("robot",)))
     got, problem = for_this_host(network, tmp_path / "state", "desk", NAMES, NOW)
-    assert (got.authority, problem) == ((keys / "ca.pem").read_bytes(), WELL)
+    assert (got.authority, problem) == ((keys / "ca.pem").read_bytes(), NO_TROUBLE)
     assert not (tmp_path / "state").exists()
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_web.config import WebConfig
 from giraff_web.hand import SILENCE, WISH_LASTS
 from giraff_web.messages import PageWish, moment
@@ -55,7 +55,7 @@ def test_silence_ends_it_until_it_is_put_down_again(person: Person) -> None:
     assert (person.is_holding(), person.hand.asks) == (False, (0.0, 0.0))
     person.let_go()
     person.wish()
-    assert person.hand.lost == WELL
+    assert person.hand.lost == NO_TROUBLE
     person.touch()
     assert person.is_holding()
 
@@ -114,7 +114,7 @@ def test_a_hold_that_begins_off_the_middle_never_counts() -> None:
 
 def test_a_finger_that_is_lifted_has_lost_nothing(person: Person) -> None:
     person.let_go()
-    assert (person.is_holding(), person.hand.asks, person.hand.lost) == (False, (0.0, 0.0), WELL)
+    assert (person.is_holding(), person.hand.asks, person.hand.lost) == (False, (0.0, 0.0), NO_TROUBLE)
 
 
 @pytest.mark.parametrize("why", ["cancelled", "hidden", "focus", "turned", "idle", "stalled", "left", "gamepad"])

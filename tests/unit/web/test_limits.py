@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from giraff_web.event_box import EventBox
-from giraff_web.limits import Credit, Rate
+from giraff_web.limits import Rate, SendWindow
 from giraff_web.messages import LetGo, PageWish, Reset
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 
@@ -24,7 +24,7 @@ def box(*events: Event) -> EventBox:
 
 
 def test_a_page_gets_three_states_and_the_next_once_it_has_shown_one() -> None:
-    credit = Credit()
+    credit = SendWindow()
     for n in (10, 11, 12):
         assert credit.allows()
         credit.sent(n, 0.0)
@@ -39,7 +39,7 @@ def test_a_page_gets_three_states_and_the_next_once_it_has_shown_one() -> None:
 
 
 def test_it_is_silent_from_when_it_was_sent_something_or_showed_something_last() -> None:
-    credit = Credit()
+    credit = SendWindow()
     assert credit.waits(100.0) == 0.0
     credit.sent(1, 100.0)
     credit.sent(2, 101.0)
@@ -52,21 +52,21 @@ def test_it_is_silent_from_when_it_was_sent_something_or_showed_something_last()
 
 def test_so_many_messages_a_second_and_as_many_at_once() -> None:
     rate = Rate(250.0, 0.0)
-    assert sum(rate.take(0.0) for _ in range(1000)) == 250
-    assert sum(rate.take(0.1) for _ in range(1000)) == 25
-    assert sum(rate.take(100.0) for _ in range(1000)) == 250
+    assert sum(rate.admit(0.0) for _ in range(1000)) == 250
+    assert sum(rate.admit(0.1) for _ in range(1000)) == 25
+    assert sum(rate.admit(100.0) for _ in range(1000)) == 250
 
 
 def test_events_come_in_their_order_and_once() -> None:
     events = (Opened(1, "phone", may_drive=True), wish(1), StopAsked("phone"), wish(2), let_go(3), Opened(2, "", False))
     it = box(*events)
-    assert list(it.take()) == list(events)
-    assert list(it.take()) == []
+    assert list(it.pop_all()) == list(events)
+    assert list(it.pop_all()) == []
 
 
 def test_of_a_flood_of_wishes_the_oldest_go_and_nothing_else() -> None:
     it = box(let_go(0), StopAsked("a"), *map(wish, range(1, 1000)), StopAsked("b"), wish(7, page=2))
-    taken = list(it.take())
+    taken = list(it.pop_all())
     assert taken[:2] == [let_go(0), StopAsked("a")]
     assert taken[2:-2] == [wish(n) for n in range(968, 1000)]
     assert taken[-2:] == [StopAsked("b"), wish(7, page=2)]
@@ -79,7 +79,7 @@ def test_a_flood_of_anything_takes_no_more_room() -> None:
         for event in (wish(n), let_go(n), Said(1, reset), StopAsked(str(n))):
             it.put(event)
     assert len(it) == 32 + 8 + 64
-    assert sum(isinstance(event, StopAsked) for event in it.take()) == 64
+    assert sum(isinstance(event, StopAsked) for event in it.pop_all()) == 64
 
 
 def test_pages_that_come_and_go_take_no_room() -> None:
@@ -93,7 +93,7 @@ def test_pages_that_come_and_go_take_no_room() -> None:
 
 def test_what_a_page_said_last_goes_with_it_and_a_stop_stays() -> None:
     it = box(Opened(1, "", may_drive=True))
-    list(it.take())
+    list(it.pop_all())
     for event in (wish(1), StopAsked("phone"), Closed(1)):
         it.put(event)
-    assert list(it.take()) == [StopAsked("phone"), Closed(1)]
+    assert list(it.pop_all()) == [StopAsked("phone"), Closed(1)]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from tests.unit.web.hands import PhonePerson
 
 RATES = [10.0, 16.0, 60.0, 100.0, 200.0]
@@ -22,7 +22,7 @@ def held(hertz: float = 60.0, forward: float = 0.0, left: float = 0.0, **fields:
 @pytest.mark.parametrize("angle", [0, 90, 180, 270])
 def test_forward_is_forward_and_left_is_left(hertz: float, sign: float, angle: int) -> None:
     person = held(hertz, sign=sign, angle=angle)
-    assert (person.is_holding(), person.hand.asks, person.hand.lost) == (True, (0.0, 0.0), WELL)
+    assert (person.is_holding(), person.hand.asks, person.hand.lost) == (True, (0.0, 0.0), NO_TROUBLE)
     person.keep(0.2, forward=21.5)
     assert person.hand.asks == pytest.approx((0.3, 0.0), abs=0.02)
     person.keep(0.2, forward=-21.5)

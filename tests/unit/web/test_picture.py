@@ -7,7 +7,7 @@ from giraff_core.estop.request import BY_WORD
 from giraff_core.sensors import HC_SR04, UltrasonicModel
 from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.config import WebConfig
 from giraff_web.messages import State, ToPage
 from giraff_web.picture import STALE, Picture
@@ -27,7 +27,7 @@ class Shown:
         self.policy.operator.on_tick(Tick(instance="base", epoch=7, robot_ns=1 << 62), 0.0)
 
     def at(self, now: float) -> State:
-        state = self.picture.state(self.policy, WELL, now)
+        state = self.picture.state(self.policy, NO_TROUBLE, now)
         decoded = msgspec.json.decode(msgspec.json.encode(state), type=ToPage)
         assert isinstance(decoded, State)
         return decoded
@@ -73,9 +73,9 @@ def test_a_page_draws_the_sensors_that_the_robot_has_as_it_says() -> None:
 
 
 def test_how_a_robot_balances_is_shown_with_its_wheels_and_of_no_other_robot(shown: Shown) -> None:
-    shown.picture.take(odometry(1.0), 0.0)
+    shown.picture.on_sample(odometry(1.0), 0.0)
     assert shown.at(0.1).balance is None
-    shown.picture.take(attitude(0), 0.0)
+    shown.picture.on_sample(attitude(0), 0.0)
     balance = shown.at(0.1).balance
     assert balance is not None
     assert (balance.posture, balance.lean, balance.wheels) == ("stands", 0.02618, (0.2, 0.2))
@@ -95,7 +95,7 @@ def test_all_that_is_heard_is_shown_as_long_as_it_is_new(shown: Shown) -> None:
         explained=0.2, way=3.0, particles=9, map="flat", reason=Trouble("nothing fits", "drive on"), tick=TICK,
     )  # fmt: skip
     for sample in (base(), guard(verdict()), latch, Battery(voltage=24.0), odometry(1.0), place):
-        shown.picture.take(sample, 0.0)
+        shown.picture.on_sample(sample, 0.0)
     state = shown.at(0.1)
     assert None not in (state.armed, state.stop, state.directions, state.pose, state.battery, state.speed, state.map)
     assert state.map is not None
@@ -107,8 +107,8 @@ def test_all_that_is_heard_is_shown_as_long_as_it_is_new(shown: Shown) -> None:
 def test_a_sensor_that_is_silent_is_told_so(shown: Shown) -> None:
     name = next(iter(ROBOT.sensors))
     reading = Range(instance="r", sensor=name, state="echo", range=0.8, echo_us=1, tick=TICK)
-    shown.picture.take(reading, 0.0)
-    shown.picture.take(msgspec.structs.replace(reading, sensor="stranger"), 0.0)
+    shown.picture.on_sample(reading, 0.0)
+    shown.picture.on_sample(msgspec.structs.replace(reading, sensor="stranger"), 0.0)
     state = shown.at(0.1)
     assert (state.ranges[name].state, state.ranges[name].range) == ("echo", 0.8)
     assert "stranger" not in state.ranges
@@ -117,11 +117,11 @@ def test_a_sensor_that_is_silent_is_told_so(shown: Shown) -> None:
 
 def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set(shown: Shown) -> None:
     for step in range(3000):
-        shown.picture.take(odometry(step * 0.04), 0.0)
-        shown.picture.take(odometry(step * 0.04 + 0.01), 0.0)
+        shown.picture.on_sample(odometry(step * 0.04), 0.0)
+        shown.picture.on_sample(odometry(step * 0.04 + 0.01), 0.0)
     assert len(shown.picture.trail) == 2000
     assert shown.picture.trail[-1][0] == pytest.approx(2999 * 0.04)
-    shown.picture.take(odometry(0.0, jumps=1), 0.0)
+    shown.picture.on_sample(odometry(0.0, jumps=1), 0.0)
     assert shown.picture.trail == ((0.0, 0.0),)
 
 
@@ -129,15 +129,15 @@ def test_the_room_fits_until_odometry_begins_anew_or_its_pose_is_set() -> None:
     for later in (odometry(0.0, jumps=1), msgspec.structs.replace(odometry(0.0), instance="another")):
         shown, late = Shown(), Shown()
         for sample in (odometry(1.0), later):
-            shown.picture.take(sample, 0.0)
-        late.picture.take(later, 0.0)
+            shown.picture.on_sample(sample, 0.0)
+        late.picture.on_sample(later, 0.0)
         assert (shown.at(0.1).room_fits, late.at(0.1).room_fits) == (False, later.jumps == 0)
 
 
 def test_numbers_that_a_page_cannot_hold_are_texts(shown: Shown) -> None:
     why = Trouble("y", "free it", "release")
     latch = EStop(instance="base", engaged=True, id=(1 << 53) - 1, by="x", reason=why, engaged_ns=1 << 62)
-    shown.picture.take(latch, 0.0)
+    shown.picture.on_sample(latch, 0.0)
     state = shown.at(0.1)
     assert state.stop is not None
     assert (state.stop.id, state.stop.engaged_ns) == (str((1 << 53) - 1), str(1 << 62))
@@ -147,7 +147,7 @@ def test_numbers_that_a_page_cannot_hold_are_texts(shown: Shown) -> None:
 @pytest.mark.parametrize(("is_open", "word"), [(False, "confirmed"), (True, BY_WORD)])
 def test_whose_word_a_stop_is_stands_beside_it(is_open: bool, word: str) -> None:
     shown = Shown(is_open=is_open)
-    shown.picture.take(EStop(instance="base", engaged=True, id=1, by="x", reason=Trouble("y")), 0.0)
+    shown.picture.on_sample(EStop(instance="base", engaged=True, id=1, by="x", reason=Trouble("y")), 0.0)
     state = shown.at(0.1)
     assert state.stop is not None
     assert state.stop.word == word

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopReset
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.stops import Stops
 
 RESET = EStopReset(by="web@host (phone)", id=4, tick=RobotTime(epoch=7, robot_ns=1), engaged_ns=9)
@@ -154,7 +154,7 @@ def test_what_is_told_of_a_release_goes_with_the_stop(base: Base) -> None:
     base.stops.poll(0.1)
     assert base.stops.outcome
     base.says(1.0, engaged=False)
-    assert base.stops.outcome == WELL
+    assert base.stops.outcome == NO_TROUBLE
 
 
 @pytest.mark.parametrize("age", [0.0, 2.0])
@@ -185,7 +185,7 @@ def test_a_release_names_what_was_shown_and_tells_what_base_says(base: Base) -> 
     base.stops.reset("phone", RESET, 0.1)
     base.asked[1].answer = RELEASED
     base.stops.poll(0.2)
-    assert base.stops.outcome == WELL
+    assert base.stops.outcome == NO_TROUBLE
 
 
 def test_who_wants_a_stop_wants_no_release_any_more(base: Base) -> None:
@@ -216,7 +216,7 @@ def test_off_is_asked_for_under_a_stop_too_until_base_has_answered(base: Base, k
     assert [asked.what for asked in base.asked] == ["phone, off"]
     base.says(3.0, engaged=True, off=knows_off)
     base.says(3.1, engaged=False)
-    assert base.stops.outcome == WELL
+    assert base.stops.outcome == NO_TROUBLE
 
 
 def test_off_takes_the_place_of_a_stop_that_is_not_confirmed(base: Base) -> None:

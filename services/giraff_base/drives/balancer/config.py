@@ -7,12 +7,12 @@ from typing import Annotated, ClassVar, Final
 
 from giraff_base.drives.balancer.response import run_on
 from giraff_base.drives.balancer.stability import Gains, Loop, Mechanics, advice
-from giraff_base.drives.soldered import Soldered
+from giraff_base.drives.wheel_wiring import WheelWiring
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
 from giraff_schemas.boards import BALANCER_BOARD, BoardType
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wires.balancer import PROTOCOL_HASH, BalanceConfigureFrame
 
 GRAVITY: Final = 9.81
@@ -34,7 +34,7 @@ _SPEED_TO_CATCH: Final = 0.5
 """Share of the motors' speed without load that stays free, so that the wheels can get under the body."""
 
 
-class BalancingBody(Soldered, frozen=True, kw_only=True):
+class BalancingBody(WheelWiring, frozen=True, kw_only=True):
     """The body, from which gains are computed."""
 
     body_mass: Annotated[float, Bounds(1.0, 200.0, "kg")]
@@ -139,7 +139,7 @@ class BalancerConfig(
     def unchecked(self) -> Trouble:
         """Why nobody knows yet whether the robot moves as it is asked."""
         if self.is_checked:
-            return WELL
+            return NO_TROUBLE
         return Trouble("the wiring is not checked", "write it into [base.drive]: docs/balancer.md")
 
     @property

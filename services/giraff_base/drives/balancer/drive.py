@@ -28,7 +28,7 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Attitude, RobotTime, Sample, Side, Wheels
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import ATTITUDE, WHEELS
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import DriveState, Frame
 from giraff_schemas.wires.balancer import (
     DRIVER_FULL,
@@ -93,7 +93,7 @@ class BalancerDrive(Dialogue[BalanceFrame]):
     """The `giraff_base.drive.Drive` of a robot that balances on two wheels."""
 
     topics = (WHEELS, ATTITUDE)
-    knows_off = True
+    can_power_off = True
 
     def __init__(self, robot: RobotConfig, config: BalancerConfig) -> None:
         super().__init__(BalanceFrame, BalanceLatch)
@@ -121,21 +121,25 @@ class BalancerDrive(Dialogue[BalanceFrame]):
         return None if self._report is None else self._report.battery_mv / 1000
 
     @property
-    def forbids(self) -> Trouble:
+    def arming_block(self) -> Trouble:
         report = self._report
         if report is None or report.session not in self._ours:
             return _UNHEARD
         if report.posture == BalancePosture.STANDS:
-            return WELL
+            return NO_TROUBLE
         if report.posture == BalancePosture.SITS_DOWN:
             return cause(report).of("the robot sits down")
         if self._untouched:
             return untouched(report)
-        return WELL if report.flags & BalanceFlag.UPRIGHT else lies(report)
+        return NO_TROUBLE if report.flags & BalanceFlag.UPRIGHT else lies(report)
 
     @property
-    def waits(self) -> Trouble:
-        return self.forbids or (WELL if self._newest.posture == BalancePosture.STANDS else GETS_UP) or super().waits
+    def not_ready(self) -> Trouble:
+        return (
+            self.arming_block
+            or (NO_TROUBLE if self._newest.posture == BalancePosture.STANDS else GETS_UP)
+            or super().not_ready
+        )
 
     def reconfigure(self, config: msgspec.Struct) -> None:
         assert isinstance(config, BalancerConfig), "a kind of drive does not change while base runs"  # noqa: S101

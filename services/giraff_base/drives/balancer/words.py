@@ -6,7 +6,7 @@ from typing import Final
 
 from giraff_base.drives.dialogue import KEPT_STOP, word
 from giraff_schemas.requests import EStopEngage
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wires.balancer import BalanceCause, BalanceFlag, BalanceFrame, BalanceLatch, BalancePosture
 
 _CAUSES: Final[dict[int, Trouble]] = {
@@ -41,9 +41,9 @@ def posture(report: BalanceFrame) -> str:
 
 
 def cause(report: BalanceFrame) -> Trouble:
-    """Return why it is off or sits down. WELL: it has not stood since its board began."""
+    """Return why it is off or sits down. NO_TROUBLE: it has not stood since its board began."""
     if report.cause == BalanceCause.NONE:
-        return WELL
+        return NO_TROUBLE
     return _CAUSES.get(report.cause) or Trouble(f"cause {word(BalanceCause, report.cause)}", "reflash the board")
 
 

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 from giraff_core.counters import restart, signed32
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import RobotTime, Wheels
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _WINDOW_NS: Final = 1_000_000_000
 """Least time over which both ways are compared."""
@@ -66,7 +66,7 @@ class CameraDoubt:
 
     def forget(self) -> None:
         """Begin anew: the port was opened, perhaps again."""
-        self.trouble = WELL
+        self.trouble = NO_TROUBLE
         """Says that the encoders are doubted, and what to do."""
         self._report: Wheels | None = None
         self._powered_ns = 0

@@ -7,12 +7,12 @@ from typing import Annotated, ClassVar, Final, Literal
 
 import msgspec
 
-from giraff_base.drives.soldered import CHECK_THEM, Soldered
+from giraff_base.drives.wheel_wiring import CHECK_THEM, WheelWiring
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
 from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD, BoardType
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
 _BOARDS: Final = {board.name: board for board in (BASE_BOARD, ARDROS_BOARD)}
@@ -92,7 +92,7 @@ def by_levels(wiring: Wiring, level_max: int, stall_level: int) -> ConfigureFram
     )
 
 
-class WheelsConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="wheels"):
+class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="wheels"):
     """Motors, battery and wiring of a robot on two driven wheels."""
 
     LIVE: ClassVar = Tuning.READ_ONLY
@@ -138,7 +138,7 @@ class WheelsConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def unchecked(self) -> Trouble:
         """Why nobody knows yet whether the robot moves as it is asked."""
         if self.is_checked:
-            return WELL
+            return NO_TROUBLE
         return Trouble("the wiring is not checked", *CHECK_THEM)
 
     def require_countable(self, robot: RobotConfig) -> None:

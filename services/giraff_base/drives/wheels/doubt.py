@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.kinematics.differential_drive import CREEP
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import WheelsFrame
 
 _FACTOR: Final = 1.5
@@ -52,11 +52,11 @@ class WheelDoubt:
         self._last: WheelsFrame | None = None
         self._last_way = 0
         self._paused = 0.0
-        self.trouble = WELL
+        self.trouble = NO_TROUBLE
         """Names the wheel that is doubted, and says what to do."""
         self._restart()
 
-    def take(self, report: WheelsFrame) -> None:
+    def on_report(self, report: WheelsFrame) -> None:
         """Judge the wheels by one more report."""
         last, self._last = self._last, report
         gap_us = (report.board_us - last.board_us) & 0xFFFFFFFF if last is not None else 0

@@ -59,7 +59,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
     """The `giraff_base.drive.Drive` of two wheels."""
 
     topics = (WHEELS,)
-    knows_off = False
+    can_power_off = False
 
     def __init__(self, robot: RobotConfig, config: WheelsConfig, acceleration: float) -> None:
         """`acceleration`: m/s² of the faster wheel, where driving and turning start at once."""
@@ -80,8 +80,8 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         return self._reports.at_rest
 
     @property
-    def notice(self) -> Trouble:
-        return self._reports.notice
+    def warning(self) -> Trouble:
+        return self._reports.warning
 
     @property
     def voltage(self) -> float | None:
@@ -115,8 +115,8 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         return engaged_by(report.latch)
 
     def _samples(self, report: WheelsFrame, now: RobotTime) -> tuple[Sample, ...]:
-        self._doubt.take(report)
-        sample = self._reports.take(report, now)
+        self._doubt.on_report(report)
+        sample = self._reports.on_report(report, now)
         self._camera_doubt.on_wheels(sample)
         return (sample,)
 

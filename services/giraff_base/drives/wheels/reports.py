@@ -8,7 +8,7 @@ from giraff_base.drives.wheels.config import UM_PER_M
 from giraff_core.counters import restart, signed32
 from giraff_core.kinematics.standstill import Standstill
 from giraff_schemas.messages import RobotTime, Wheels
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import WheelsFrame
 
 _COASTS_NS: Final = 1_500_000_000
@@ -38,10 +38,10 @@ class WheelReports:
         self._powered_ns: int | None = None  # when a motor had power last, or the first report came
         self._roll_from: Wheels | None = None
         self._rolled_ns: int | None = None  # when the wheels were seen to turn without power last
-        self.notice = WELL
+        self.warning = NO_TROUBLE
         """Says that the wheels turn without power. It stops nothing."""
 
-    def take(self, report: WheelsFrame, tick: RobotTime) -> Wheels:
+    def on_report(self, report: WheelsFrame, tick: RobotTime) -> Wheels:
         """The sample of one report that was read at `tick`."""
         self._is_powered = bool(report.left_pwm_counts or report.right_pwm_counts)
         sample = Wheels(
@@ -57,7 +57,7 @@ class WheelReports:
         )
         if self._standstill is None:
             self._standstill = Standstill()
-        self._standstill.hear(sample)
+        self._standstill.on_wheels(sample)
         self._watch(sample, self._standstill)
         return sample
 
@@ -73,4 +73,4 @@ class WheelReports:
         if max(abs(signed32(left)), abs(signed32(right))) > self._roll_ticks:
             self._rolled_ns = now_ns
         tells = self._rolled_ns is not None and now_ns - self._rolled_ns < _TELLS_NS
-        self.notice = _ROLLING if tells else WELL
+        self.warning = _ROLLING if tells else NO_TROUBLE

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_base.drives.dialogue import KEPT_STOP
-from giraff_base.drives.soldered import CHECK_THEM
+from giraff_base.drives.wheel_wiring import CHECK_THEM
 from giraff_schemas.boards import BoardType
 from giraff_schemas.requests import EStopEngage
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import DriveState, Latch, SpeedFlag, WheelsFrame
 
 _FREE_IT: Final = "free it, check its motor and its encoder's cable"
@@ -35,9 +35,9 @@ def engaged_by(latch: int) -> EStopEngage:
 
 
 def held(report: WheelsFrame) -> Trouble:
-    """Return which wheel something held. WELL: the board says that none was."""
+    """Return which wheel something held. NO_TROUBLE: the board says that none was."""
     if report.drive_state != DriveState.HELD:
-        return WELL
+        return NO_TROUBLE
     sides = ((SpeedFlag.LEFT_HELD, "left"), (SpeedFlag.RIGHT_HELD, "right"))
     names = [side for flag, side in sides if report.speed_flags & flag]
     which = f"the {names[0]} wheel was" if len(names) == 1 else "both wheels were" if names else "a wheel was"
@@ -47,5 +47,5 @@ def held(report: WheelsFrame) -> Trouble:
 def limit(report: WheelsFrame, board: BoardType) -> Trouble:
     """Why the wheels do less than they are asked for."""
     if not report.speed_flags & _AT_LIMIT_FLAG:
-        return WELL
+        return NO_TROUBLE
     return Trouble(_AT_LIMIT + (_OR_LOWERED if board.has_potentiometer else ""))

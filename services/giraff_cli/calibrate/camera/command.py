@@ -42,10 +42,10 @@ class LivePictures:
     def __init__(self, client: PictureClient) -> None:
         self._client = client
 
-    def take(self) -> bytes | None:
+    def pop_picture(self) -> bytes | None:
         """As `Pictures`."""
         self._client.want()
-        picture = self._client.take()
+        picture = self._client.pop_picture()
         return None if picture is None else picture.jpeg
 
     def trouble(self) -> str:
@@ -142,7 +142,7 @@ def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure,
     try:
         fit, poses = measure(human, lens_of(camera))
         after = calibrated(camera, fit, middle_of(poses, camera.width))
-        human.tell(in_words(camera, after, fit, poses))
+        human.show(in_words(camera, after, fit, poses))
         if not agrees(human, f"Write into {path}? [yes/no]"):
             return complain("not wanted. Nothing was written.", _REFUSED)
         table, fields = f"robot.sensors.{name}", changed(after)
@@ -154,7 +154,7 @@ def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure,
     except RobotFileError as error:
         return complain(str(error), _REFUSED)
     report(document(path, {table: fields}, kept))
-    human.tell(f"Written: [{table}] of {path}; as it was before: {kept}. {_THEN}")
+    human.show(f"Written: [{table}] of {path}; as it was before: {kept}. {_THEN}")
     return _DONE
 
 

@@ -26,18 +26,18 @@ def lens_from(folder: Path, human: Human, lens: Lens) -> LensFit:
         try:
             view = find_board(_read(path, lens), lens)
         except UnusableError as error:
-            human.tell(f"{path.name} does not count: {error}.")
+            human.show(f"{path.name} does not count: {error}.")
             continue
         if is_new(view, views, lens.width):
             views.append(view)
             names.append(path.name)
         else:
-            human.tell(f"{path.name} does not count: another picture shows the board so already.")
+            human.show(f"{path.name} does not count: another picture shows the board so already.")
     if (words := missing(views, lens.width, lens.height)) and len(views) >= FEWEST:
         raise UnusableError(f"the {len(views)} views of the board are not spread enough; {words}")
     fit = fit_lens([view.corners for view in views], lens.width, lens.height)
     for number in fit.left_out:
-        human.tell(f"{names[number]} does not count: its corners do not fit the others'; it may be torn or blurred.")
+        human.show(f"{names[number]} does not count: its corners do not fit the others'; it may be torn or blurred.")
     return fit
 
 
@@ -49,7 +49,7 @@ def poses_from(folder: Path, human: Human, lens: Lens) -> list[FloorPose]:
             try:
                 found.append(find_sheet(_read(path, lens), lens))
             except UnusableError as error:
-                human.tell(f"{path.name} does not count: {error}.")
+                human.show(f"{path.name} does not count: {error}.")
     return found
 
 

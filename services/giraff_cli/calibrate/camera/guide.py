@@ -25,7 +25,7 @@ _PATIENCE: Final = 150
 class Pictures(Protocol):
     """Where pictures come from while somebody looks."""
 
-    def take(self) -> bytes | None:
+    def pop_picture(self) -> bytes | None:
         """Return the newest picture that was not taken yet; None: there is none."""
         ...
 
@@ -84,7 +84,7 @@ class ViewGuide:
 
 def take_views(human: Human, pictures: Pictures, lens: Lens) -> LensFit:
     """Guide the person with the board until the lens is known; Ctrl-C ends it."""
-    human.tell(
+    human.show(
         "Hold the board of `giraff camera board` before the camera, flat, and still for a moment at each place. "
         "A view is taken by itself; Ctrl-C ends it and nothing is written.\n"
         "First: hold it into the middle of the picture, as large as it fits."
@@ -92,14 +92,14 @@ def take_views(human: Human, pictures: Pictures, lens: Lens) -> LensFit:
     guide = ViewGuide(lens)
     told, trouble, count = "", "", 0
     while guide.fit is None:
-        data = pictures.take()
+        data = pictures.pop_picture()
         words, taken = guide.see(data) if data is not None else (pictures.trouble(), False)
         if data is None:
             time.sleep(_PAUSE)
         count = count + 1 if words == trouble else 1
         trouble = words
         if words and (taken or (count == _SAME and words != told)):
-            human.tell(words[0].upper() + words[1:] + ".")
+            human.show(words[0].upper() + words[1:] + ".")
             told = words
     return guide.fit
 
@@ -107,8 +107,8 @@ def take_views(human: Human, pictures: Pictures, lens: Lens) -> LensFit:
 def take_sheets(human: Human, pictures: Pictures, lens: Lens) -> list[FloorPose]:
     """Guide the person with the sheet. Raises NobodyError."""
 
-    def look() -> str:
-        data = pictures.take()
+    def find() -> str:
+        data = pictures.pop_picture()
         if data is None:
             return shown[0] if not (trouble := pictures.trouble()) else trouble
         try:
@@ -127,15 +127,15 @@ def take_sheets(human: Human, pictures: Pictures, lens: Lens) -> list[FloorPose]
                 human.ask(
                     f"Place {place + 1} of {PLACES}: lay a sheet of white A4 on darker floor, {where}. Press Enter "
                     "when it lies there.",
-                    look,
+                    find,
                 )
                 found = found[: place * _PICTURES]
                 if trouble := _collect(found, (place + 1) * _PICTURES, pictures, lens):
-                    human.tell(trouble[0].upper() + trouble[1:] + ".")
+                    human.show(trouble[0].upper() + trouble[1:] + ".")
         try:
             middle_of(found, lens.width)
         except UnusableError as error:
-            human.tell(f"Once more: {error}.")
+            human.show(f"Once more: {error}.")
         else:
             return found
 
@@ -144,7 +144,7 @@ def _collect(found: list[FloorPose], wanted: int, pictures: Pictures, lens: Lens
     """Add poses until there are so many; return why they do not come, empty: they have."""
     trouble = "no picture comes"
     for _ in range(_PATIENCE):
-        if (data := pictures.take()) is None:
+        if (data := pictures.pop_picture()) is None:
             trouble = pictures.trouble() or trouble
             time.sleep(_PAUSE)
             continue

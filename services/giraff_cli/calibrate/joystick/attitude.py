@@ -43,7 +43,7 @@ class DoubtError(Exception):
     """The poses do not agree. One line: what is wrong, and what to do."""
 
 
-class Found(NamedTuple):
+class AttitudeFit(NamedTuple):
     """The attitude of the sensor in the joystick."""
 
     roll: float
@@ -88,7 +88,7 @@ def require_tilt(flat: Vector, tilted: Vector) -> None:
         )
 
 
-def find(flat: Vector, forward: Vector, left: Vector) -> Found:
+def find(flat: Vector, forward: Vector, left: Vector) -> AttitudeFit:
     """Return how the sensor sits that reads `flat`, `forward` and `left` in the three poses. Raises DoubtError."""
     up = _unit(flat)
     nearest_up = _nearest(up)
@@ -100,7 +100,7 @@ def find(flat: Vector, forward: Vector, left: Vector) -> Found:
     x = _turned(ahead, nearest_up, up)
     rows = (x, cross(up, x), up)
     roll, pitch, yaw = angles_of(rows)
-    return Found(roll, pitch, yaw, _off_level(flat), _words((ahead, cross(nearest_up, ahead), nearest_up)))
+    return AttitudeFit(roll, pitch, yaw, _off_level(flat), _words((ahead, cross(nearest_up, ahead), nearest_up)))
 
 
 def degrees_between(one: Vector, other: Vector) -> float:

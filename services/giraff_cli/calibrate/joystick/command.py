@@ -12,8 +12,8 @@ from typing import Final
 
 from giraff_cli.calibrate.joystick.attitude import (
     READINGS,
+    AttitudeFit,
     DoubtError,
-    Found,
     PoseError,
     find,
     gravity_of,
@@ -57,7 +57,7 @@ def _calibrate(port: str | None, file: Path | None, report: Report) -> int:
             try:
                 next(board.readings())
                 human = Terminal(sys.stdin, sys.stdout)
-                human.tell(f"Joystick board on {port}; what is found goes into {path}.")
+                human.show(f"Joystick board on {port}; what is found goes into {path}.")
                 return guide(human, board, path, report)
             finally:
                 board.close()
@@ -82,7 +82,7 @@ def guide(human: Human, board: TiltBoard, path: Path, report: Report = no_report
     try:
         flat = _pose(human, board, _FLAT)
         found = find(flat, _pose(human, board, _FORWARD, flat), _pose(human, board, _LEFT, flat))
-        human.tell(f"The sensor is {found.words}, and {found.off_level:.1f}° off level.")
+        human.show(f"The sensor is {found.words}, and {found.off_level:.1f}° off level.")
         if not agrees(human, f"Write into {path}? [yes/no]", _tilt(board, found)):
             return _complain("not wanted. Nothing was written.", _REFUSED)
         kept = record(path, "joystick", _fields(found), kept_as=before_today())
@@ -95,9 +95,9 @@ def guide(human: Human, board: TiltBoard, path: Path, report: Report = no_report
     except RobotFileError as error:
         return _complain(str(error), _REFUSED)
     report(document(path, {"joystick": _fields(found)}, kept))
-    human.tell(f"Written: [joystick] of {path}; as it was before: {kept}. giraff_joystick goes by it when it starts.")
+    human.show(f"Written: [joystick] of {path}; as it was before: {kept}. giraff_joystick goes by it when it starts.")
     if overriding := still_overriding({"joystick": _fields(found)}, os.environ):
-        human.tell(overriding)
+        human.show(overriding)
     return _DONE
 
 
@@ -120,7 +120,7 @@ def _pose(human: Human, board: TiltBoard, words: str, flat: Vector | None = None
             else:
                 require_tilt(flat, pose)
         except PoseError as error:
-            human.tell(f"{error}.")
+            human.show(f"{error}.")
         else:
             return pose
 
@@ -139,7 +139,7 @@ def _gravity(board: TiltBoard) -> Vector:
     raise BoardError("the board gives no more readings")
 
 
-def _tilt(board: TiltBoard, found: Found) -> Callable[[], str]:
+def _tilt(board: TiltBoard, found: AttitudeFit) -> Callable[[], str]:
     """Return what shows the tilt as it is with what was found."""
     mount = Mount(found.roll, found.pitch, found.yaw)
     shown = ""
@@ -155,7 +155,7 @@ def _tilt(board: TiltBoard, found: Found) -> Callable[[], str]:
     return show
 
 
-def _fields(found: Found) -> dict[str, float]:
+def _fields(found: AttitudeFit) -> dict[str, float]:
     angles = {"mount_roll": found.roll, "mount_pitch": found.pitch, "mount_yaw": found.yaw}
     return {name: round(angle, 5) + 0.0 for name, angle in angles.items()}
 

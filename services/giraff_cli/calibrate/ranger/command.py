@@ -38,7 +38,7 @@ _FIELDS: Final = ("x", "y", "z", "yaw", "scale")
 _THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
 
 
-class LeasedStand(Stand, Protocol):
+class HeldRest(Stand, Protocol):
     """A robot before a wall whose motions hold a lease."""
 
     def wait_released(self) -> None:
@@ -81,7 +81,7 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
 
 def guide(
     human: Human,
-    stand: LeasedStand,
+    stand: HeldRest,
     filed: RobotConfig,
     path: Path,
     pings: int = PINGS,
@@ -107,7 +107,7 @@ def guide(
             then = placed(now, name, fields)
             words = warning(name, now, then, guard)
             if words and not agrees(human, f"{words} Write it all the same? [yes/no]"):
-                human.tell(f"{name} stays as it is.")
+                human.show(f"{name} stays as it is.")
                 del tables[name]
             else:
                 now = then
@@ -127,7 +127,7 @@ def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict
     for name, measured in measure(human, stand, filed, pings).items():
         before = filed.sensors[name]
         told = bounded(before, measured)
-        human.tell(in_words(before, name, told))
+        human.show(in_words(before, name, told))
         if fields := changed(before, told):
             tables[name] = fields
     return tables
@@ -141,9 +141,9 @@ def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path, 
     except RobotFileError as error:
         return complain(str(error), _REFUSED)
     report(document(path, named, kept))
-    human.tell(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
+    human.show(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
     if overriding := still_overriding(named, os.environ):
-        human.tell(overriding)
+        human.show(overriding)
     return _DONE
 
 

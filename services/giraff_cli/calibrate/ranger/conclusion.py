@@ -13,9 +13,9 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.limits import SIGN, Limits
+from giraff_guard.ultrasonic.direction import UltrasonicDirection
 from giraff_guard.ultrasonic.nearest import Nearest
 from giraff_guard.ultrasonic.sensor import Sensor
-from giraff_guard.ultrasonic.way import UltrasonicWay
 
 _NOTHING: Final = 0.0005
 """m. A smaller change of an obstacle's distance is none."""
@@ -86,10 +86,10 @@ def _judged(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, came
     sensors = {each: Sensor(each, pose, live, robot.model(each)) for each, pose in robot.sensors.items()}
     sensor, pose = sensors[name], robot.sensors[name]
     distance = echo * pose.scale
-    remembered = min(distance, max(guard.memory_range, guard.held_range))
+    remembered = min(distance, max(guard.memory_range, guard.silent_range))
     judged = [sensor.offset + distance - came * abs(math.cos(pose.yaw))]
     for way, sign in SIGN.items():
-        looking = UltrasonicWay(way, limits, list(sensors.values())).sensors
+        looking = UltrasonicDirection(way, limits, list(sensors.values())).sensors
         if sensor in looking:
             worst = Nearest(way, limits, looking).clearance(sensor, distance)
             judged += [

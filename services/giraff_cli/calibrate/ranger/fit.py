@@ -93,7 +93,7 @@ class Wall(NamedTuple):
         return self.distance - ahead
 
 
-class Found(NamedTuple):
+class SensorFit(NamedTuple):
     """Place, scale and axis of a sensor by its echoes: metres, radians."""
 
     x: float
@@ -134,7 +134,7 @@ def fit(
     rests: Sequence[Sequence[Echo]],
     turn: Sequence[Echo],
     way_sd: float,
-) -> Found:
+) -> SensorFit:
     """Return what the echoes of one sensor at each rest, and in a turn both ways, tell. Raises UntoldError.
 
     `filed`: where y counts. `way_sd`: of the way between rests by odometry, as a share of it.
@@ -171,7 +171,7 @@ def fit(
     ):
         if is_wrong:
             raise UntoldError(why)
-    return Found(x, float(x_sd), scale, float(scale_sd), axis.yaw, axis.sd)
+    return SensorFit(x, float(x_sd), scale, float(scale_sd), axis.yaw, axis.sd)
 
 
 def _spread(rests: Sequence[Sequence[Echo]]) -> float:

@@ -7,7 +7,7 @@ from typing import Final
 from giraff_cli.calibrate.ranger.fit import Echo
 from giraff_core.kinematics.frame_errors import FutureError, GapError, PastError
 from giraff_core.kinematics.pose import Pose
-from giraff_core.kinematics.way import Way
+from giraff_core.kinematics.pose_history import PoseHistory
 from giraff_schemas.messages import Lease, Odometry, Range, Sample
 from giraff_schemas.services import MOTION
 from giraff_schemas.wire import ECHO_US_PER_M
@@ -20,7 +20,7 @@ class Hearing:
     """Puts pings and odometry together by the robot's clock."""
 
     def __init__(self) -> None:
-        self._way = Way()
+        self._history = PoseHistory()
         self._waiting: list[Range] = []
         self._segment: tuple[object, ...] | None = None
         self.echoes: list[Echo] = []
@@ -32,17 +32,17 @@ class Hearing:
     @property
     def place(self) -> Pose | None:
         """The newest pose; None: none was heard."""
-        newest = self._way.newest()
+        newest = self._history.newest()
         return None if newest is None else newest[0]
 
-    def hear(self, sample: Sample) -> None:
+    def on_sample(self, sample: Sample) -> None:
         """Take a sample of odometry, of a sensor, or of the lease."""
         if isinstance(sample, Odometry):
-            segment = (sample.origin, sample.breaks, sample.tick.epoch)
+            segment = (sample.segment, sample.breaks, sample.tick.epoch)
             if self._segment not in {None, segment}:
                 self.fault = "odometry was set, began anew or lost the wheels meanwhile; begin again"
             self._segment = segment
-            self._way.hear(sample)
+            self._history.on_odometry(sample)
         elif isinstance(sample, Range):
             self._waiting = [*self._waiting, sample][-_MOST_WAITING:]
         elif isinstance(sample, Lease):
@@ -54,7 +54,7 @@ class Hearing:
         if reading.tick is None:
             return True
         try:
-            at = self._way.at(reading.tick)
+            at = self._history.at(reading.tick)
         except FutureError:
             return False
         except (GapError, PastError):

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple, Protocol
 import msgspec
 
 from giraff_cli.calibrate.answers import number
-from giraff_cli.calibrate.ranger.fit import Echo, Found, UntoldError, Wall, fit, wall_of
+from giraff_cli.calibrate.ranger.fit import Echo, SensorFit, UntoldError, Wall, fit, wall_of
 from giraff_cli.terminal.human import Human, agrees
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
@@ -72,7 +72,7 @@ class Measured(NamedTuple):
 
     filed: SensorPose
     """The robot file's, with y and z as the person has typed them."""
-    found: Found | None
+    found: SensorFit | None
     """None: it stays as it is."""
     why: str = ""
     """Reason why nothing was found; empty: something was."""
@@ -94,7 +94,7 @@ def measure(human: Human, stand: Stand, robot: RobotConfig, pings: int = PINGS) 
         )
     if not filed:
         raise StoppedError("no ultrasonic sensor of the robot file looks ahead or back; correct [robot.sensors]")
-    human.tell(INTRODUCTION)
+    human.show(INTRODUCTION)
     filed = {name: _ruled(human, stand, name, pose) for name, pose in filed.items()}
     robot = msgspec.structs.replace(robot, sensors=filed)
     wall = _ask_wall(human, stand, robot, ahead=True)
@@ -135,7 +135,7 @@ def _measure_side(
         if leg:
             result, _ = _perform(human, stand, [Move(distance=-LEG)], "It backs.")
             way_sd = max(way_sd, result.standard_deviations[0] / LEG)
-        human.tell(f"It listens for {pings} pings of {', '.join(names)}.")
+        human.show(f"It listens for {pings} pings of {', '.join(names)}.")
         before = stand.place()
         rests.append(stand.listen(names, pings))
         after = stand.place()
@@ -156,7 +156,7 @@ def _measure_side(
 
 
 def _perform(human: Human, stand: Stand, steps: Sequence[Step], words: str) -> tuple[MotionResult, list[Echo]]:
-    human.tell(words)
+    human.show(words)
     return stand.perform(steps)
 
 
@@ -175,11 +175,11 @@ def _ask(human: Human, stand: Stand, question: str, before: float, within: float
         try:
             value = number(answer) if answer else before
         except ValueError as error:
-            human.tell(f"{error}.")
+            human.show(f"{error}.")
             continue
         if abs(value - before) <= within:
             return value
-        human.tell(f"{value:g} m is more than {within:g} m off {before:g} m. Are these millimetres? Type it once more.")
+        human.show(f"{value:g} m is more than {within:g} m off {before:g} m. Are these millimetres? Type it once more.")
 
 
 def _ask_wall(human: Human, stand: Stand, robot: RobotConfig, *, ahead: bool, expected: float | None = None) -> Wall:
@@ -194,11 +194,11 @@ def _ask_wall(human: Human, stand: Stand, robot: RobotConfig, *, ahead: bool, ex
         try:
             wall = wall_of(stand.place(), left, right, robot.kinematics.track_width, ahead=ahead)
         except ValueError as error:
-            human.tell(f"{error}.")
+            human.show(f"{error}.")
             continue
         if low <= wall.distance <= high:
             return wall
-        human.tell(f"The middle would be {wall.distance:.3f} m from the wall, and not {low:.2f} to {high:.2f} m.")
+        human.show(f"The middle would be {wall.distance:.3f} m from the wall, and not {low:.2f} to {high:.2f} m.")
 
 
 def _distance(human: Human, stand: Stand, question: str) -> float:
@@ -206,4 +206,4 @@ def _distance(human: Human, stand: Stand, question: str) -> float:
         try:
             return number(human.ask(question, stand.idle))
         except ValueError as error:
-            human.tell(f"{error}.")
+            human.show(f"{error}.")

@@ -86,7 +86,7 @@ class NetworkStand:
         return ""
 
     def wait_released(self) -> None:
-        """As `LeasedStand`."""
+        """As `HeldRest`."""
         self._wait(lambda: not self._hearing.motion_holds_lease, _RELEASED_WITHIN)
         if self._hearing.motion_holds_lease:
             raise StoppedError("giraff_motion still holds the lease; wait until the robot rests, then begin again")
@@ -94,7 +94,7 @@ class NetworkStand:
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """As a `Listener`."""
         del topic, key, at_ns
-        self._hearing.hear(sample)
+        self._hearing.on_sample(sample)
 
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """Nobody asks who comes and goes."""

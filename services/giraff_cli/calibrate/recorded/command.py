@@ -18,7 +18,7 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 
 
-class Asked(NamedTuple):
+class CommandLine(NamedTuple):
     """The command line. `fitted` and `checked` have files, patterns, or several with commas between."""
 
     fitted: Sequence[str]
@@ -34,12 +34,12 @@ class Asked(NamedTuple):
     """A robot on the network was asked for, too."""
 
 
-def calibrate_recorded(asked: Asked, *, as_json: bool) -> int:
+def calibrate_recorded(asked: CommandLine, *, as_json: bool) -> int:
     """Do the whole command; return its exit code. `as_json`: the outcome is printed, and the rest told beside it."""
     return print_report(lambda report: _calibrate(asked, report), as_json=as_json)
 
 
-def _calibrate(asked: Asked, report: Report) -> int:
+def _calibrate(asked: CommandLine, report: Report) -> int:
     try:
         _require_sense(asked)
         fit_files, check_files = files_of("--fit", asked.fitted), files_of("--check", asked.checked)
@@ -54,7 +54,7 @@ def _calibrate(asked: Asked, report: Report) -> int:
     return conclusion.code
 
 
-def _require_sense(asked: Asked) -> None:
+def _require_sense(asked: CommandLine) -> None:
     if form := redirected(asked.more):
         raise RecordingError(form)
     if asked.more:

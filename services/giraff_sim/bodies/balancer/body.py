@@ -93,7 +93,7 @@ class BalancerBody:
         model.driver_line_cut = self.line_cut
         model.cord_pulled = self.cord_pulled
 
-    def look(self, board: Board) -> None:  # noqa: ARG002  # the pins cannot tell
+    def update(self, board: Board) -> None:  # noqa: ARG002  # the pins cannot tell
         now_ms = round(self.plant.seconds * 1000)
         if now_ms - self._looked_ms < _LOOK_MS:
             return

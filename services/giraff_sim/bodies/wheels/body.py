@@ -9,8 +9,8 @@ from giraff_core.encoder.pattern import Pattern
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board
+from giraff_sim.bodies.wheels.motor_wiring import RIGHT, MotorWiring
 from giraff_sim.bodies.wheels.plant import Plant, Wheel
-from giraff_sim.bodies.wheels.soldering import RIGHT, Soldering
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
 from giraff_sim.world.body import BoardReport
@@ -40,8 +40,8 @@ class WheelsBody:
         """How often the board was reset."""
         self.drives = 0.0, 0.0
         """Mean signed duty of each motor in the last step, by its number on the board."""
-        self._soldering = Soldering()
-        self.solder(drive.wiring)
+        self._motor_wiring = MotorWiring()
+        self.rewire(drive.wiring)
         self._cut = [0, 0]  # 1: the wires of the encoder of that number are cut
         self._signal_cut = [0, 0]  # 1: the wire from the servo output of the motor of that number is off
         self._volts_per_count = drive.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
@@ -51,13 +51,13 @@ class WheelsBody:
             self.plant.step(duration, 0.0, 0.0)
             return
         motors = board.model.motor
-        self.plant.step(duration, *self._soldering.duties((motors[0].drive, motors[1].drive)))
-        motors[0].position, motors[1].position = self._soldering.positions(self._wheel_states)
+        self.plant.step(duration, *self._motor_wiring.duties((motors[0].drive, motors[1].drive)))
+        motors[0].position, motors[1].position = self._motor_wiring.positions(self._wheel_states)
         motors[0].encoder_cut, motors[1].encoder_cut = self._cut
         motors[0].signal_cut, motors[1].signal_cut = self._signal_cut
         board.model.battery_volts = self._battery_pin_volts
 
-    def look(self, board: Board) -> None:
+    def update(self, board: Board) -> None:
         motors = board.model.motor
         self.activity = max(motors[0].drive_peak, motors[1].drive_peak)
         motors[0].drive_peak = motors[1].drive_peak = 0
@@ -65,8 +65,8 @@ class WheelsBody:
         self.resets = board.model.resets
 
     def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
-        """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""
-        self._cut[self._soldering.encoder_of(wheel)] = int(is_cut)
+        """Cut (or mend) the wires of a wheel's encoder: `motor_wiring.LEFT` or `RIGHT`."""
+        self._cut[self._motor_wiring.encoder_of(wheel)] = int(is_cut)
 
     def slip_encoder(self, wheel: int, lost_share: float) -> None:
         """Let a wheel's encoder lose this share of its counts; 0 mends it. ValueError for what is no share."""
@@ -82,7 +82,7 @@ class WheelsBody:
         """Pull off (or put back) the wire from a wheel's servo output to the motor driver. ValueError without one."""
         if not self.board.output_delay_us:
             raise ValueError(f"the board {self.board.name} has no servo output whose wire could be cut")
-        self._signal_cut[self._soldering.motor_of(wheel)] = int(is_cut)
+        self._signal_cut[self._motor_wiring.motor_of(wheel)] = int(is_cut)
 
     @property
     def has_cut_signal(self) -> bool:
@@ -97,9 +97,9 @@ class WheelsBody:
         """Hold a wheel back by so many m/s² at its rim, as a hand does; 0 lets it go."""
         self._wheel(wheel).brake = brake
 
-    def solder(self, wiring: Wiring) -> None:
-        """Solder motors and encoders anew, so that `configure.wiring` must be this for the robot to drive well."""
-        self._soldering.solder(wiring, self._wheel_states)
+    def rewire(self, wiring: Wiring) -> None:
+        """Rewire motors and encoders anew, so that `configure.wiring` must be this for the robot to drive well."""
+        self._motor_wiring.rewire(wiring, self._wheel_states)
 
     def _wheel(self, wheel: int) -> Wheel:
         return self.plant.right if wheel == RIGHT else self.plant.left

@@ -7,10 +7,10 @@ from typing import Final
 from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import DriveFrame, Frame, SpeedFrame
-from giraff_sim.bodies.wheels.asked import Asked
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.pins import Pins
-from giraff_sim.world.body import Demand, Way
+from giraff_sim.bodies.wheels.wheel_request import WheelRequest
+from giraff_sim.world.body import Demand, DriveDirection
 
 _CREEPING_COUNTS: Final = 4  # of both motors: less is what rounding leaves of a turn in place
 _CREEPING: Final = 0.02  # m/s
@@ -28,7 +28,7 @@ class WheelsJudge:
     def asked(self, frame: Frame, now_us: int) -> Demand | None:
         if not isinstance(frame, DriveFrame | SpeedFrame):
             return None
-        asked = Asked.by(frame, self._robot, self._drive)
+        asked = WheelRequest.by(frame, self._robot, self._drive)
         self._pins.asked(asked, now_us)
         track_width = self._robot.kinematics.track_width
         return Demand(
@@ -45,9 +45,9 @@ class WheelsJudge:
         self._pins.note(now_us)
 
     def wrong(self, now_us: int) -> str:
-        return self._pins.look(now_us)
+        return self._pins.judge(now_us)
 
-    def goes(self, way: Way) -> bool:
+    def goes(self, way: DriveDirection) -> bool:
         if way == "any":
             return True
         counts = sum(self._body.drives)

@@ -9,8 +9,8 @@ from typing import Final, NamedTuple
 from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, PWM_OVER_PERCENT
-from giraff_sim.bodies.wheels.asked import Asked
 from giraff_sim.bodies.wheels.body import WheelsBody
+from giraff_sim.bodies.wheels.wheel_request import WheelRequest
 
 _WINDOW_US: Final = 100_000  # over which a ramp is measured
 _STEPS_US: Final = 12_000  # of the simulation and of the board's reports, at both ends of it
@@ -46,7 +46,7 @@ class Pins:
         lasts_us = outlives_us + body.settles_us
         self._asked = (_Extremes(lasts_us), _Extremes(lasts_us))  # of the left and the right wheel, m/s
 
-    def asked(self, asked: Asked, now_us: int) -> None:
+    def asked(self, asked: WheelRequest, now_us: int) -> None:
         """Base has asked the board for this."""
         for wheel, speed in zip(self._asked, (asked.left, asked.right), strict=True):
             wheel.add(speed, now_us)
@@ -61,15 +61,15 @@ class Pins:
             lost = plant.left.lost_share, plant.right.lost_share
             if lost != self._lost:  # counted speeds leap, wheels do not
                 self._lost, self._judged_from_us = lost, now_us + _WINDOW_US + _STEPS_US
-            self._rises_wrongly = self._rises.look(plant.left.counted_speed, plant.right.counted_speed, now_us)
+            self._rises_wrongly = self._rises.judge(plant.left.counted_speed, plant.right.counted_speed, now_us)
 
-    def look(self, now_us: int) -> str:
+    def judge(self, now_us: int) -> str:
         """What is wrong with the drive of this step, in which a motor has power; empty when nothing is."""
         left, right = self._body.drives
         if now_us < self._judged_from_us:
             return ""
         if not self._by_speed:
-            self._rises_wrongly = self._rises.look(left, right, now_us)
+            self._rises_wrongly = self._rises.judge(left, right, now_us)
         return self._too_much() or self._unasked(left, right, now_us) or self._rises_wrongly
 
     def _too_much(self) -> str:
@@ -154,7 +154,7 @@ class Rises:
         self._by_wheel = by_wheel
         self._given: deque[_Given] = deque()
 
-    def look(self, left: float, right: float, now_us: int) -> str:
+    def judge(self, left: float, right: float, now_us: int) -> str:
         """What rises too fast, of what the motors get or the wheels do. Asked after each step in which they do."""
         given = self._given
         if given and now_us - given[-1].at_us > _STEPS_US:

@@ -6,12 +6,12 @@ from random import Random
 from typing import Final
 
 from giraff_schemas.services import SERVICES
-from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.hands import Fingers
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
-from giraff_sim.dst.people import double, typist
+from giraff_sim.dst.people import double, keyboard_user
+from giraff_sim.dst.simulated_run import Course, Kind, SimulatedRun, fault
 from giraff_sim.settings import MACHINES
-from giraff_sim.world.body import Way
+from giraff_sim.world.body import DriveDirection
 
 KINDS: Final[list[Kind]] = []
 
@@ -36,7 +36,7 @@ _PARAMETERS: Final = (
 """Service, name, a tighter value and one that is looser than the robot file's."""
 
 
-def _bound(name: str) -> tuple[int, Way]:
+def _bound(name: str) -> tuple[int, DriveDirection]:
     """Within what a service's end stops the robot, and what motion."""
     if name == "ranger":
         return BEYOND_US, "travel"
@@ -44,152 +44,150 @@ def _bound(name: str) -> tuple[int, Way]:
 
 
 @fault(KINDS, weight=4.0, lasts=(0.02, 3.0))
-def kill(drill: Drill, chance: Random) -> Course:
+def kill(run: SimulatedRun, chance: Random) -> Course:
     name = chance.choice(IN_THE_CHAIN)
-    if not drill.claims(name):
+    if not run.claims(name):
         return
-    applies = drill.driven_by(name)
+    applies = run.driven_by(name)
     bound_us, way = _bound(name)
-    signal, end = chance.choice((("killed", drill.loop.kill), ("terminated", drill.loop.terminate)))
+    signal, end = chance.choice((("killed", run.loop.kill), ("terminated", run.loop.terminate)))
     end(name)
-    with drill.stops(f"{name} is {signal}", bound_us, way, applies):
+    with run.stops(f"{name} is {signal}", bound_us, way, applies):
         yield f"{name} is {signal}"
-    drill.loop.start(name)
+    run.loop.start(name)
 
 
 @fault(KINDS, weight=4.0, lasts=(0.02, 4.0))
-def pause(drill: Drill, chance: Random) -> Course:
+def pause(run: SimulatedRun, chance: Random) -> Course:
     name = chance.choice(IN_THE_CHAIN)
-    if not drill.claims(name):
+    if not run.claims(name):
         return
-    process = drill.loop.processes[name]
+    process = run.loop.processes[name]
     process.paused = True
     bound_us, way = _bound(name)
-    with drill.stops(f"{name} is paused", bound_us, way, drill.driven_by(name)):
+    with run.stops(f"{name} is paused", bound_us, way, run.driven_by(name)):
         yield f"{name} is paused"
     process.paused = False
     process.go_on(chance.choice((0, 20_000, 200_000)))
 
 
 @fault(KINDS, weight=2.0, lasts=(0.1, 5.0))
-def suspend(drill: Drill, chance: Random) -> Course:
+def suspend(run: SimulatedRun, chance: Random) -> Course:
     name = chance.choice(("operator", "robot"))
-    host = drill.loop.hosts[name]
-    cables = [drill.cable(each.name) for each in SERVICES if each.board is not None and each.host == name]
-    if not drill.claims(*cables, *(service for service, on in MACHINES.items() if on == name)):
+    host = run.loop.hosts[name]
+    cables = [run.cable(each.name) for each in SERVICES if each.board is not None and each.host == name]
+    if not run.claims(*cables, *(service for service, on in MACHINES.items() if on == name)):
         return
     host.suspend()
     for cable in cables:
         cable.holds_to_host = True
     bound_us = ROBOT_US if name == "robot" else BEYOND_US
-    with drill.stops(
-        f"the {name}'s machine is suspended", bound_us, "any", lambda: name == "robot" or drill.drives(name)
-    ):
+    with run.stops(f"the {name}'s machine is suspended", bound_us, "any", lambda: name == "robot" or run.drives(name)):
         yield f"the {name}'s machine is suspended"
     host.resume()
     for cable in cables:
         cable.holds_to_host = False
     spread_us = chance.choice((0, 20_000, 300_000))
-    for process in tuple(drill.loop.processes.values()):
+    for process in tuple(run.loop.processes.values()):
         if process.host is host:
             process.go_on(spread_us)
 
 
 @fault(KINDS, weight=1.0, lasts=(0.0, 0.0))
-def wall_clock(drill: Drill, chance: Random) -> Course:
+def wall_clock(run: SimulatedRun, chance: Random) -> Course:
     name = chance.choice(("operator", "robot"))
-    host = drill.loop.hosts[name]
+    host = run.loop.hosts[name]
     host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
     host.wall_drift = chance.uniform(-1e-3, 1e-3)
     yield f"the {name}'s wall clock jumps, to {host.wall_ahead_ns / 1e9:+.0f} s from the truth"
 
 
 @fault(KINDS, weight=2.0, lasts=(0.3, 4.0))
-def disk(drill: Drill, chance: Random) -> Course:
+def disk(run: SimulatedRun, chance: Random) -> Course:
     """Half of the time with an emergency stop that it is asked to keep."""
-    disk = drill.loop.hosts["robot"].disk
-    if not drill.claims(disk):
+    disk = run.loop.hosts["robot"].disk
+    if not run.claims(disk):
         return
     told = chance.choice(("hangs", "is full"))
     if told == "hangs":
         disk.hang()
     else:
         disk.trouble = "No space left on device"
-    is_stopped = chance.random() < _STOPPED and drill.claims(drill.button)
+    is_stopped = chance.random() < _STOPPED and run.claims(run.button)
     if is_stopped:
-        drill.button.engage()
+        run.button.engage()
         told += ", and somebody engages the emergency stop"
     yield f"the robot's disk {told}"
     disk.trouble = ""
     disk.go_on()
     if is_stopped:
-        drill.release_later()
+        run.release_later()
 
 
 @fault(KINDS, weight=2.0, lasts=(1.0, 6.0), calm_after=4.0)
-def parameter(drill: Drill, chance: Random) -> Course:
+def parameter(run: SimulatedRun, chance: Random) -> Course:
     """Tighter ones are taken back at the end; looser ones must be refused."""
     service, name, tighter, looser = chance.choice(_PARAMETERS)
-    if not drill.claims(f"{service}.{name}"):
+    if not run.claims(f"{service}.{name}"):
         return
-    filed = getattr(getattr(drill.loop.settings, service), name)
+    filed = getattr(getattr(run.loop.settings, service), name)
     value = chance.choice((tighter, looser))
-    drill.caretaker.set(service, name, value)
+    run.estop_operator.set(service, name, value)
     is_saved = chance.random() < _SAVED
     if is_saved:
-        drill.caretaker.save(service)
+        run.estop_operator.save(service)
     yield f"somebody sets {service}.{name} to {value:g}" + (", and saves it" if is_saved else "")
-    drill.caretaker.set(service, name, filed)
+    run.estop_operator.set(service, name, filed)
     if is_saved:
-        drill.caretaker.save(service)
+        run.estop_operator.save(service)
 
 
 @fault(KINDS, weight=1.5, lasts=(0.1, 4.0), calm_after=4.0)
-def second_guard(drill: Drill, chance: Random) -> Course:
+def second_guard(run: SimulatedRun, chance: Random) -> Course:
     del chance
-    yield from _second(drill, "guard", "")
+    yield from _second(run, "guard", "")
 
 
 @fault(KINDS, weight=1.5, lasts=(0.1, 4.0), calm_after=4.0)
-def second_base(drill: Drill, chance: Random) -> Course:
+def second_base(run: SimulatedRun, chance: Random) -> Course:
     del chance
-    yield from _second(drill, "base", "; the board's port is taken")
+    yield from _second(run, "base", "; the board's port is taken")
 
 
-def _second(drill: Drill, service: str, besides: str) -> Course:
+def _second(run: SimulatedRun, service: str, besides: str) -> Course:
     """Another process of a service of which there may be one."""
-    if not drill.claims(service):
+    if not run.claims(service):
         return
-    name = drill.fresh_name(f"second {service}")
-    drill.loop.start(service, name)
-    with drill.stops(f"{name} runs", ROBOT_US):
+    name = run.fresh_name(f"second {service}")
+    run.loop.start(service, name)
+    with run.stops(f"{name} runs", ROBOT_US):
         yield f"a {name} starts{besides}"
-    drill.loop.kill(name)
+    run.loop.kill(name)
 
 
 @fault(KINDS, weight=1.5, lasts=(2.0, 8.0))
-def second_joystick(drill: Drill, chance: Random) -> Course:
-    name = drill.fresh_name("second joystick")
-    drill.loop.launch(name, lambda process: double(process, chance, drill.seconds), drill.loop.hosts["operator"])
+def second_joystick(run: SimulatedRun, chance: Random) -> Course:
+    name = run.fresh_name("second joystick")
+    run.loop.launch(name, lambda process: double(process, chance, run.seconds), run.loop.hosts["operator"])
     yield f"a {name} of the same name starts"
-    drill.loop.kill(name)
+    run.loop.kill(name)
 
 
 @fault(KINDS, weight=2.0, lasts=(3.0, 12.0))
-def keyboard(drill: Drill, chance: Random) -> Course:
+def keyboard(run: SimulatedRun, chance: Random) -> Course:
     """Half of the time without a joystick: one that rests keeps the lease for longer than any run lasts."""
-    name = drill.fresh_name("keyboard")
-    begin = drill.loop.agenda.now_us * 1e-6
-    fingers = Fingers(chance, begin, drill.seconds)
-    drill.loop.launch(name, lambda process: typist(process, fingers), drill.loop.hosts["operator"])
+    name = run.fresh_name("keyboard")
+    begin = run.loop.agenda.now_us * 1e-6
+    fingers = Fingers(chance, begin, run.seconds)
+    run.loop.launch(name, lambda process: keyboard_user(process, fingers), run.loop.hosts["operator"])
     told = f"somebody types at a {name}"
-    is_alone = chance.random() < _ALONE and drill.claims("joystick")
+    is_alone = chance.random() < _ALONE and run.claims("joystick")
     if is_alone:
-        drill.loop.terminate("joystick")
+        run.loop.terminate("joystick")
         told += ", and the joystick has ended"
     yield told
-    drill.loop.kill(name)
+    run.loop.kill(name)
     if is_alone:
-        drill.loop.start("joystick")
+        run.loop.start("joystick")
     if fingers.stops:
-        drill.release_later()
+        run.release_later()

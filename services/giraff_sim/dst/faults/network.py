@@ -7,9 +7,9 @@ from typing import Final
 
 from giraff_schemas.messages import DriveCommand, GuardedCommand, Lease, Range, Tick, Wheels
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.judging.stops import BEYOND_US
 from giraff_sim.dst.network import Link
+from giraff_sim.dst.simulated_run import Course, Kind, SimulatedRun, fault
 
 KINDS: Final[list[Kind]] = []
 
@@ -25,17 +25,17 @@ _REPLAYED: Final = (
 )
 
 
-def _ways(drill: Drill, chance: Random) -> tuple[str, list[Link]]:
+def _ways(run: SimulatedRun, chance: Random) -> tuple[str, list[Link]]:
     """One way or both, and their links."""
     name = chance.choice(("both ways", "to the robot", "from the robot"))
-    to, back = drill.link("operator", "robot"), drill.link("robot", "operator")
+    to, back = run.link("operator", "robot"), run.link("robot", "operator")
     return name, {"both ways": [to, back], "to the robot": [to], "from the robot": [back]}[name]
 
 
 @fault(KINDS, weight=2.0, lasts=(0.3, 4.0))
-def delay(drill: Drill, chance: Random) -> Course:
-    name, links = _ways(drill, chance)
-    if not drill.claims("delay"):
+def delay(run: SimulatedRun, chance: Random) -> Course:
+    name, links = _ways(run, chance)
+    if not run.claims("delay"):
         return
     before = [(link.delay_us, link.jitter_us) for link in links]
     delay_us, jitter_us = chance.randint(20_000, 300_000), chance.choice((0, chance.randint(0, 100_000)))
@@ -47,9 +47,9 @@ def delay(drill: Drill, chance: Random) -> Course:
 
 
 @fault(KINDS, weight=1.5, lasts=(0.3, 4.0))
-def loss(drill: Drill, chance: Random) -> Course:
-    name, links = _ways(drill, chance)
-    if not drill.claims("loss"):
+def loss(run: SimulatedRun, chance: Random) -> Course:
+    name, links = _ways(run, chance)
+    if not run.claims("loss"):
         return
     share = chance.uniform(0.05, 0.8)
     for link in links:
@@ -60,9 +60,9 @@ def loss(drill: Drill, chance: Random) -> Course:
 
 
 @fault(KINDS, weight=1.0, lasts=(0.5, 4.0))
-def disorder(drill: Drill, chance: Random) -> Course:
-    name, links = _ways(drill, chance)
-    if not drill.claims("disorder"):
+def disorder(run: SimulatedRun, chance: Random) -> Course:
+    name, links = _ways(run, chance)
+    if not run.claims("disorder"):
         return
     overtakes, duplicates = chance.uniform(0.0, 0.5), chance.uniform(0.0, 0.5)
     for link in links:
@@ -73,32 +73,32 @@ def disorder(drill: Drill, chance: Random) -> Course:
 
 
 @fault(KINDS, weight=4.0, lasts=(0.05, 4.0))
-def cut(drill: Drill, chance: Random) -> Course:
-    name, links = _ways(drill, chance)
-    if not drill.claims("cut"):
+def cut(run: SimulatedRun, chance: Random) -> Course:
+    name, links = _ways(run, chance)
+    if not run.claims("cut"):
         return
     how = chance.choice(("loses", "holds"))
     for link in links:
         link.cut = how
-    with drill.stops("the network is cut", BEYOND_US, applies=lambda: drill.drives("operator")):
+    with run.stops("the network is cut", BEYOND_US, applies=lambda: run.drives("operator")):
         yield f"the network is cut {name}; TCP {how} what is said"
     for link in links:
-        drill.network.mend(link)
+        run.network.mend(link)
 
 
 @fault(KINDS, weight=4.0, lasts=(0.0, 0.5))
-def replay(drill: Drill, chance: Random) -> Course:
+def replay(run: SimulatedRun, chance: Random) -> Course:
     kinds = chance.choice(_REPLAYED)
-    now_us = drill.loop.agenda.now_us
+    now_us = run.loop.agenda.now_us
     until_us = now_us - round(chance.uniform(0.2, 1.0) * min(8_000_000, now_us))
     from_us = until_us - chance.randint(100_000, 3_000_000)
-    old = [said for said in drill.network.history if from_us <= said.at_us <= until_us and type(said.body) in kinds]
+    old = [said for said in run.network.history if from_us <= said.at_us <= until_us and type(said.body) in kinds]
     spread_us = chance.choice((20_000, 500_000, until_us - from_us))
-    drill.network.replay(old, spread_us)
+    run.network.replay(old, spread_us)
     names = ", ".join(kind.__name__ for kind in kinds)
     yield (
         f"{len(old)} old samples ({names}) come again, {(now_us - until_us) / 1e6:.2f} to "
         f"{(now_us - from_us) / 1e6:.2f} s old, within {spread_us / 1e6:.2f} s"
     )
     if EStopEngage in kinds and old:
-        drill.release_later()
+        run.release_later()

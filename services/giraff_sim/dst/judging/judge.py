@@ -20,17 +20,17 @@ from giraff_schemas.messages import BaseState, GuardedCommand, Lease
 from giraff_schemas.params import ParamAnswer, ParamSave
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, Frame
-from giraff_sim.bodies.kinds import judge_of
-from giraff_sim.dst.judging.contrary import Contrary
+from giraff_sim.bodies.registry import judge_of
+from giraff_sim.dst.event_log import EventLog, kind_of
+from giraff_sim.dst.judging.clearance import ClearanceCheck
 from giraff_sim.dst.judging.explain import Explainer
-from giraff_sim.dst.judging.freedom import Freedom
 from giraff_sim.dst.judging.latch import LatchWatch
 from giraff_sim.dst.judging.ledger import BASE, Ledger, Passed
 from giraff_sim.dst.judging.obstacles import Obstacles
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import ROBOT_US, Stops
-from giraff_sim.dst.judging.wishes import Wishes
-from giraff_sim.dst.story import Story, kind_of
+from giraff_sim.dst.judging.true_input import TrueInput
+from giraff_sim.dst.judging.wrong_direction import WrongDirection
 from giraff_sim.hosts.disk import Disk
 from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Process
@@ -55,10 +55,10 @@ class Violation(NamedTuple):
 class Judge(Ledger):
     """Hears all, and is asked after each step."""
 
-    def __init__(self, agenda: EventQueue, simulation: Simulation, settings: Settings, story: Story) -> None:
+    def __init__(self, agenda: EventQueue, simulation: Simulation, settings: Settings, event_log: EventLog) -> None:
         self._world = simulation.world
         self._body = body = self._world.body
-        super().__init__(agenda, Wishes(settings.joystick, self._world.truth.accelerometer_offset), body.report)
+        super().__init__(agenda, TrueInput(settings.joystick, self._world.truth.accelerometer_offset), body.report)
         self.violations: list[Violation] = []
         self._of_body = judge_of(body, settings.robot, settings.base, _OUTLIVES_US)
         self.stops = Stops(body, self._of_body.goes)
@@ -68,12 +68,12 @@ class Judge(Ledger):
         self.near = 0.0
         """m driven with something less than half a metre from the body."""
         self._settings = settings
-        self._story = story
+        self._event_log = event_log
         self._explainer = Explainer(self, settings.robot, settings.base)
         self._obstacles = Obstacles(self._world, settings)
-        self._contrary = Contrary(body)
+        self._wrong_direction = WrongDirection(body)
         self._driver = ""  # instance of the operator whom the newest frame that asks for motion explains
-        self.freedom = Freedom(self._world, settings)
+        self.clearance = ClearanceCheck(self._world, settings)
         self._asked_us = 0  # when base last asked the board as it is now for motion
         # What disarmed last, and whose held neutral has been found since.
         self._disarmed_us, self._disarmed_by = 0, "base has just started"
@@ -102,9 +102,11 @@ class Judge(Ledger):
         if isinstance(answer, ParamAnswer):
             what = "saved" if isinstance(request, ParamSave) else "set"
             refused = "not saved" if isinstance(request, ParamSave) else "refused"
-            self._story.count(f"parameter: {what if answer.done else refused}")
+            self._event_log.count(f"parameter: {what if answer.done else refused}")
         if isinstance(answer, EStopAnswer):
-            self._story.count(f"answer: {kind_of(answer.reason.what) or ('stopped' if answer.engaged else 'released')}")
+            self._event_log.count(
+                f"answer: {kind_of(answer.reason.what) or ('stopped' if answer.engaged else 'released')}"
+            )
             if process.name == BASE and (wrong := self._latch.answered(process, answer, self._agenda.now_us)):
                 self._violated("d", wrong)
 
@@ -114,15 +116,15 @@ class Judge(Ledger):
         self._measure_way(now_us)
         self._look_at_latch(disk, now_us)
         self._obstacles.note(now_us)
-        self.freedom.note(now_us)
+        self.clearance.note(now_us)
         self._of_body.note(now_us)
         self._look_at_contacts(now_us)
-        against = self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us)
+        against = self._wrong_direction.judge(self._driver, self.true_input.way(self._driver, now_us), now_us)
         if self._body.activity == 0:
-            if refusal := self.freedom.refused(self._newest, self._state, now_us):
+            if refusal := self.clearance.refused(self._newest, self._state, now_us):
                 self._violated("f", refusal)
             return
-        self.freedom.moved(now_us)
+        self.clearance.moved(now_us)
         if wrong := self._of_body.wrong(now_us):
             self._violated("g", wrong)
         if against:
@@ -154,8 +156,8 @@ class Judge(Ledger):
 
     def on_grant(self, lease: Lease) -> None:
         what = f"{lease.instance} gives the lease {lease.counter} to {lease.holder or 'nobody'}"
-        self._story.count("granted" if lease.holder else "lease ended")
-        self._story.log(what)
+        self._event_log.count("granted" if lease.holder else "lease ended")
+        self._event_log.log(what)
         if lease.instance == self._guard or not self._guard:
             self._disarmed(what)
 
@@ -181,7 +183,7 @@ class Judge(Ledger):
             self._missed_us, self._missed = now_us, name
 
     def on_engage(self, process: Process, asked: EStopEngage) -> None:
-        self._story.log(f"base is asked for an emergency stop by {asked.by}")
+        self._event_log.log(f"base is asked for an emergency stop by {asked.by}")
         if process.name == BASE:
             self._engaged_at = process
             self._latch.asked(self._agenda.now_us)
@@ -191,7 +193,7 @@ class Judge(Ledger):
     def on_reset_asked(self, asked: EStopReset) -> None:
         now_us, pressed_us = self._agenda.now_us, self._resets[asked]
         old = (now_us - pressed_us) / 1e6
-        self._story.log(f"base is asked to release {asked.id}, {old:.2f} s after {asked.by} did so")
+        self._event_log.log(f"base is asked to release {asked.id}, {old:.2f} s after {asked.by} did so")
         if pressed_us < self._latch.asked_us or old > self._settings.base.reset_budget:
             return
         self._latch.permit(now_us)  # also of a stop that the board has called for
@@ -206,11 +208,11 @@ class Judge(Ledger):
         if before is None:
             return
         if state.armed != before.armed:
-            self._story.log("armed" if state.armed else f"disarmed: {state.reason}")
-            self._story.count("armed" if state.armed else "disarmed")
+            self._event_log.log("armed" if state.armed else f"disarmed: {state.reason}")
+            self._event_log.count("armed" if state.armed else "disarmed")
         if before.driving and not state.driving:
-            self._story.log(f"stops: {state.reason or 'the operator wishes so'}")
-            self._story.count(f"stop: {kind_of(state.reason.what) or 'the operator wishes so'}")
+            self._event_log.log(f"stops: {state.reason or 'the operator wishes so'}")
+            self._event_log.count(f"stop: {kind_of(state.reason.what) or 'the operator wishes so'}")
 
     def wrote(self, process: Process, frame: Frame) -> None:
         now_us = self._agenda.now_us
@@ -243,12 +245,12 @@ class Judge(Ledger):
         if self._world.plant.contacts == self._contacts:
             return
         self._contacts = self._world.plant.contacts
-        self._story.log(f"the body touches something: {self._obstacles.touched(self.readings)}")
+        self._event_log.log(f"the body touches something: {self._obstacles.touched(self.readings)}")
         if too_fast := self._obstacles.touched_too_fast(now_us):
             self._violated("h", too_fast)
 
     def _look_at_latch(self, disk: Disk, now_us: int) -> None:
-        if wrong := self._latch.look(disk, now_us):
+        if wrong := self._latch.judge(disk, now_us):
             self._violated("d", wrong)
         if self._engaged_us is None or self._engaged_at is None:
             return
@@ -259,8 +261,8 @@ class Judge(Ledger):
         self._engaged_at = None  # what the next one does to the disk is no excuse
         if not self._latch.says_engaged:
             # Nobody was told that it is kept: who asked goes on asking, or knows.
-            self._story.log("base ended before the emergency stop was on disk")
-            self._story.count("an emergency stop was lost with its base")
+            self._event_log.log("base ended before the emergency stop was on disk")
+            self._event_log.count("an emergency stop was lost with its base")
             self._engaged_us = None
 
     def _expect_armed(self, operator: str, asked: Demand) -> None:
@@ -300,4 +302,4 @@ class Judge(Ledger):
         """Put a violation down; one that only goes on is told once."""
         if all((each.rule, kind_of(each.what)) != (rule, kind_of(what)) for each in self.violations):
             self.violations.append(Violation(self._agenda.now_us, rule, what))
-            self._story.log(f"VIOLATION ({rule}): {what}")
+            self._event_log.log(f"VIOLATION ({rule}): {what}")

@@ -37,7 +37,7 @@ class LatchWatch:
         """Base is asked for a reset that a human has made: the disk may say released, once."""
         self._permitted_us = now_us
 
-    def look(self, disk: Disk, now_us: int) -> str:
+    def judge(self, disk: Disk, now_us: int) -> str:
         """After each step: why the disk may not say what it has come to say; empty where it may."""
         data = disk.files[LATCH_FILE]
         if data is self._read:
@@ -67,7 +67,7 @@ class LatchWatch:
 
     def answered(self, base: Process, answer: EStopAnswer, now_us: int) -> str:
         """What is wrong with an answer of `base`."""
-        wrong = self.look(base.host.disk, now_us)
+        wrong = self.judge(base.host.disk, now_us)
         if answer.done and answer.engaged and not self._says_engaged:
             return f"latch {answer.id} is confirmed, and the disk says released"
         return wrong

@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 from giraff_schemas.messages import BaseState, DriveCommand, GuardedCommand, Lease, Range
 from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.wire import BoardKind, Frame, RangeFrame, TiltFrame
-from giraff_sim.dst.judging.wishes import Wishes
+from giraff_sim.dst.judging.true_input import TrueInput
 from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.world.bno055 import Vector
@@ -88,11 +88,11 @@ class Neutral:
 class Ledger(Observer):
     """Keeps what the judge asks for."""
 
-    def __init__(self, agenda: EventQueue, wishes: Wishes, report: type[BoardReport]) -> None:
+    def __init__(self, agenda: EventQueue, true_input: TrueInput, report: type[BoardReport]) -> None:
         """`report`: the base board's."""
         self._report = report
         self._agenda = agenda
-        self.wishes = wishes
+        self.true_input = true_input
         """What the operators truly do."""
         self._boots: dict[BoardKind, list[int]] = {kind: [0] for kind in BoardKind}
         self._measured: dict[Process, int] = {}
@@ -122,14 +122,14 @@ class Ledger(Observer):
         return boot_id == len(self._boots[kind])
 
     def held(self, process: Process, acceleration: Vector) -> None:
-        self.wishes.hold(process.instance, acceleration, self._agenda.now_us)
+        self.true_input.hold(process.instance, acceleration, self._agenda.now_us)
 
     def clutched(self, process: Process) -> None:
         """The button of the joystick of `process` is pressed just now."""
-        self.wishes.clutch(process.instance, self._agenda.now_us)
+        self.true_input.clutch(process.instance, self._agenda.now_us)
 
     def typed(self, process: Process, keys: bytes) -> None:
-        self.wishes.press(process.instance, keys, self._agenda.now_us)
+        self.true_input.press(process.instance, keys, self._agenda.now_us)
         self._typed.add(process)
         self._measured[process] = self._agenda.now_us
 
@@ -209,7 +209,7 @@ class Ledger(Observer):
         if process in self._typed and sample.neutral:
             born_us = self._agenda.now_us  # a key that is not pressed is so at every moment
         self._given[sample.instance, sample.seq] = Given(sample, born_us)
-        is_neutral = sample.source == "hand" and self.wishes.is_neutral(sample.instance, born_us)
+        is_neutral = sample.source == "hand" and self.true_input.is_neutral(sample.instance, born_us)
         self.neutral[sample.instance].note(born_us, is_neutral=is_neutral)
 
     def _on_passed(self, process: Process, sample: GuardedCommand) -> None:

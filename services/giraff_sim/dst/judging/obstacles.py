@@ -72,7 +72,7 @@ class Obstacles:
 
     def note(self, now_us: int) -> None:
         """Take the pings of this step."""
-        for name, sonar in self._new.take():
+        for name, sonar in self._new.pop_new():
             if sonar.must_have_heard is not None:
                 self._pings[name].append(_Ping(now_us, sonar, sonar.must_have_heard))
 

@@ -21,7 +21,7 @@ class NewPings:
         self._sonars = {name: world.sonars[mount.index] for name, mount in robot.sensors.items()}
         self._seen = {name: sonar.pings for name, sonar in self._sonars.items()}
 
-    def take(self) -> Iterator[tuple[str, Sonar]]:
+    def pop_new(self) -> Iterator[tuple[str, Sonar]]:
         """The sensors that have sent a ping since this was asked last."""
         for name, sonar in self._sonars.items():
             if sonar.pings != self._seen[name]:

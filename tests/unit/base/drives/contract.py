@@ -13,10 +13,10 @@ import pytest
 
 from giraff_base.config import DriveConfig
 from giraff_base.drive import Answer, Drive, Report
-from giraff_base.kinds import drive_of
+from giraff_base.registry import drive_of
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 from tests.support import robots
 
@@ -76,9 +76,9 @@ class Bench:
     def hear(self) -> Report:
         """Take the board's next report."""
         self.now = RobotTime(epoch=7, robot_ns=self.now.robot_ns + self.board.period_ns)
-        report = self.drive.take(self.board.report(), self.now)
+        report = self.drive.on_frame(self.board.report(), self.now)
         assert report is not None
-        is_level = not (report.disarms or report.latched or self.engaged or self.drive.forbids)
+        is_level = not (report.disarms or report.latched or self.engaged or self.drive.arming_block)
         self._level = self._level + 1 if is_level else 0
         return report
 
@@ -124,7 +124,7 @@ class AnyDrive:
         bench.run()
         bench.hear()
         assert bench.drive.settle(bench.now, engaged=False) is None
-        assert bench.drive.waits == WELL
+        assert bench.drive.not_ready == NO_TROUBLE
         return bench
 
     def moving(self, linear: float = 0.3, angular: float = 0.0) -> Bench:
@@ -181,7 +181,7 @@ class AnyDrive:
         for _ in range(round(self.command_timeout * 1e9 / bench.board.period_ns) + 1):
             bench.hear()
         assert bench.board.is_safe()
-        assert bench.drive.waits
+        assert bench.drive.not_ready
 
     def test_an_engaged_stop_latches_the_board_whatever_is_under_way(self) -> None:
         bench = self.moving()
@@ -199,7 +199,7 @@ class AnyDrive:
         bench.engaged = True
         bench.drive.hold(off=False)
         bench.run()
-        bench.drive.hold(off=bench.drive.knows_off)
+        bench.drive.hold(off=bench.drive.can_power_off)
         bench.run()
         assert bench.board.is_off()
         bench.board = self.board()

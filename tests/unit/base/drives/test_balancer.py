@@ -176,8 +176,8 @@ class TestBalancer(AnyDrive):
             if answer.frame is not None:
                 bench.board.receive(answer.frame)
         assert bench.board.is_off()
-        assert bench.drive.forbids == Trouble()
-        assert str(bench.drive.waits) == "the robot gets up"
+        assert bench.drive.arming_block == Trouble()
+        assert str(bench.drive.not_ready) == "the robot gets up"
         bench.run()
         assert not bench.board.is_off()
 
@@ -185,13 +185,13 @@ class TestBalancer(AnyDrive):
         bench = self.bench()
         board = self.board_of(bench)
         board.flags = BalanceFlag(0)
-        assert bench.drive.forbids, "before any report"
+        assert bench.drive.arming_block, "before any report"
         bench.run()
         lies = Trouble("the robot is off and not upright", "hold it upright and still")
-        assert (bench.drive.forbids, bench.drive.waits) == (lies, lies)
+        assert (bench.drive.arming_block, bench.drive.not_ready) == (lies, lies)
         board.flags = BalanceFlag.UPRIGHT
         bench.run()
-        assert not bench.drive.forbids
+        assert not bench.drive.arming_block
         assert not board.is_off()
 
     @pytest.mark.parametrize("cause", [cause for cause in BalanceCause if cause != BalanceCause.NONE])
@@ -205,11 +205,11 @@ class TestBalancer(AnyDrive):
             assert why.what.startswith(told)
             assert "cause" not in why.what, "it has words"
             assert not bench.hear().disarms, "once"
-            assert bench.drive.forbids
+            assert bench.drive.arming_block
             board.posture, board.flags = BalancePosture.OFF, BalanceFlag(0)
             bench.hear()
-            assert bench.drive.forbids.what.startswith("the robot is off: ")
-            assert bench.drive.forbids.remedy.endswith("hold it upright and still")
+            assert bench.drive.arming_block.what.startswith("the robot is off: ")
+            assert bench.drive.arming_block.remedy.endswith("hold it upright and still")
 
     @pytest.mark.parametrize("how", ["fault", "reset", "port"])
     def test_where_it_went_off_it_gets_up_only_after_a_hand_has_leaned_it(self, how: str) -> None:
@@ -224,7 +224,7 @@ class TestBalancer(AnyDrive):
             board.reset()
         bench.run(reports=3 * SETTLED)
         assert board.is_off()
-        assert "lean it once" in bench.drive.forbids.remedy
+        assert "lean it once" in bench.drive.arming_block.remedy
         board.lean = -110_000
         bench.step()
         board.lean = 20_000
@@ -323,7 +323,7 @@ class TestBalancer(AnyDrive):
             assert board.is_safe(), "it stops by the gains that it has"
             waits += 1
         assert waits > 50, "it has stood for half a second"
-        assert (bench.drive.forbids, board.is_off()) == (Trouble(), False)
+        assert (bench.drive.arming_block, board.is_off()) == (Trouble(), False)
         assert bench.hear().samples, "they are of the same robot"
         assert not unproved.moves, "nothing drives by gains that the board may not have"
         bench.run()

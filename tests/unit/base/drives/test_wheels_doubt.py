@@ -41,7 +41,7 @@ def watched(
         if step % 90 < lost:
             continue
         (left_pwm, right_pwm), (left, right) = powers(step / 100), speeds(step / 100)
-        doubt.take(
+        doubt.on_report(
             msgspec.structs.replace(
                 report,
                 board_us=(0xFFFFFFFF - 500_000 + step * 10_000) & 0xFFFFFFFF,

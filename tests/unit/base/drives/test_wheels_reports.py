@@ -10,7 +10,7 @@ import pytest
 
 from giraff_base.drives.wheels.reports import WheelReports
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import WheelsFrame
 
 TICKS_PER_METRE = 2000.0
@@ -40,14 +40,16 @@ STILL = WheelsFrame(
 
 def test_a_sample_is_the_report() -> None:
     report = msgspec.structs.replace(STILL, left_pwm_counts=35, right_pwm_counts=-36)
-    sample = WheelReports(TICKS_PER_METRE).take(report, TICK)
+    sample = WheelReports(TICKS_PER_METRE).on_report(report, TICK)
     assert (sample.left_ticks, sample.right_ticks) == (-5, 6)
     assert (sample.left_pwm_counts, sample.right_pwm_counts) == (35, -36)
     assert (sample.board_us, sample.boot_id, sample.tick) == (123_000, 4, TICK)
 
 
 def test_the_boards_speeds_are_told_in_metres_a_second() -> None:
-    sample = WheelReports(TICKS_PER_METRE).take(msgspec.structs.replace(STILL, left_um_s=600_000, right_um_s=-1), TICK)
+    sample = WheelReports(TICKS_PER_METRE).on_report(
+        msgspec.structs.replace(STILL, left_um_s=600_000, right_um_s=-1), TICK
+    )
     assert sample.left_velocity == pytest.approx(0.6)
     assert sample.right_velocity == pytest.approx(-1e-6)
 
@@ -69,8 +71,8 @@ class Reported:
             seen: dict[str, int] = {"left_ticks": left, "right_ticks": right, "board_us": self._board_us}
             seen |= {"left_pwm_counts": pwm[0], "right_pwm_counts": pwm[1]}
             tick = RobotTime(epoch=7, robot_ns=self._board_us * 1000)
-            self.reports.take(msgspec.structs.replace(STILL, **seen), tick)
-            yield self.reports.at_rest, self.reports.notice
+            self.reports.on_report(msgspec.structs.replace(STILL, **seen), tick)
+            yield self.reports.at_rest, self.reports.warning
 
 
 def test_it_rests_once_the_wheels_have_stood_for_a_fifth_of_a_second() -> None:
@@ -131,4 +133,4 @@ def test_wheels_that_are_driven_coast_or_flicker_are_none() -> None:
         for ways, pwm in ((driven, (35, -35)), (coasts + flickers, (0, 0)))
         for _, notice in board.take(ways, pwm)
     }
-    assert notices == {WELL}
+    assert notices == {NO_TROUBLE}

@@ -34,6 +34,7 @@ from giraff_schemas.messages import (
     BaseState,
     Battery,
     BoardState,
+    DirectionLimit,
     EStop,
     GuardState,
     Lease,
@@ -43,7 +44,6 @@ from giraff_schemas.messages import (
     RobotTime,
     SensorState,
     Tilt,
-    Verdict,
 )
 from giraff_schemas.trouble import Trouble
 
@@ -324,22 +324,22 @@ def test_description_has_the_frames_of_the_transforms() -> None:
 
 def test_diagnostics_by_hand() -> None:
     newest = LatestSamples()
-    newest.take(EStop(engaged=True, id=1, by="web", reason=Trouble("pressed; reset it")), 9.8)
-    newest.take(Lease(holder="a", operator="keyboard", counter=3), 9.5)
-    newest.take(Battery(voltage=7.4), 2.0)
+    newest.add(EStop(engaged=True, id=1, by="web", reason=Trouble("pressed; reset it")), 9.8)
+    newest.add(Lease(holder="a", operator="keyboard", counter=3), 9.5)
+    newest.add(Battery(voltage=7.4), 2.0)
     board = BoardState(
         connected=True, boot_id=1, drive_state="", latch="", last_refusal="", accepted=0, refused=0, line_errors=0
     )
     base = BaseState(armed=False, driving=False, guard="", round_trip=None, budget_left=0.25, board=board)
-    newest.take(base, 9.9)
-    newest.take(
+    newest.add(base, 9.9)
+    newest.add(
         deaf := Range(
             sensor="front", state="fault", range=None, echo_us=0, reason=Trouble("no echo; look at its plug"), tick=None
         ),
         9.9,
     )
-    free = Verdict(allowed=0.5, freedom="free", sensor="")
-    newest.take(
+    free = DirectionLimit(allowed=0.5, clearance="free", sensor="")
+    newest.add(
         GuardState(
             forward=free,
             backward=free,

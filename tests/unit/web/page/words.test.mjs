@@ -8,8 +8,8 @@ import * as words from "../../../../services/giraff_web/page/words.js";
 
 const trouble = (what, remedy = "", action = "", argument = "") => ({ what, remedy, action, argument });
 const well = trouble("");
-const free = { freedom: "free", allowed: 0.6, sensor: "", reason: well };
-const blocked = { freedom: "blocked", allowed: 0, sensor: "rear", reason: trouble("rear is blind", "turn away") };
+const free = { clearance: "free", allowed: 0.6, sensor: "", reason: well };
+const blocked = { clearance: "blocked", allowed: 0, sensor: "rear", reason: trouble("rear is blind", "turn away") };
 const state = { page: 0, device: "", operator: "", armed: true, why: well, stop: null };
 const at = {
   linked: true,
@@ -66,9 +66,9 @@ test("the emergency stop comes before every other reason, and no way is free bes
   const watching = words.whyText({ ...at, mayDrive: false, state: stuck });
   assert.match(watching, /^STOPPED. Free the wheel, then release it on a page that may drive. To drive, open the addr/);
   assert.match(words.whyText({ ...at, linked: false, state: stopped }), /^The link is lost/);
-  assert.equal(words.freedom(stopped, "forward"), "stopped");
-  assert.equal(words.freedom({ ...stopped, stop: { engaged: false } }, "forward"), "free");
-  assert.equal(words.freedom({ ...stopped, stop: null }, "backward"), "unknown");
+  assert.equal(words.clearance(stopped, "forward"), "stopped");
+  assert.equal(words.clearance({ ...stopped, stop: { engaged: false } }, "forward"), "free");
+  assert.equal(words.clearance({ ...stopped, stop: null }, "backward"), "unknown");
 });
 
 test("what to do is told by what the page offers: no command to release a stop, and no keys of a terminal", () => {

@@ -29,7 +29,7 @@ _LEARNED: Final = 5.0
 """m after which the first cloud knows something of the wheels."""
 
 
-class Challenger:
+class RestartCloud:
     """Of one search."""
 
     def __init__(self, anywhere: Callable[[int], Cloud], count: int) -> None:

@@ -14,14 +14,14 @@ import msgspec
 
 from giraff_node.config.robot_file import load
 from giraff_sim.board import BUILD, ROOT, Implementation
-from giraff_sim.bodies.kinds import with_known, world_of
+from giraff_sim.bodies.registry import with_known, world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
+from giraff_sim.dst.event_log import EventLog
 from giraff_sim.dst.judging.judge import Judge, Violation
 from giraff_sim.dst.judging.stops import Stop
 from giraff_sim.dst.network import FaultyNetwork, Link
-from giraff_sim.dst.people import Button, Caretaker
-from giraff_sim.dst.story import Story
+from giraff_sim.dst.people import Button, EStopOperator
 from giraff_sim.hosts.cable import Cable
 from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Process
@@ -29,7 +29,7 @@ from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import Simulation, simulation
 from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world.bno055 import Vector
-from giraff_sim.world.body import Way
+from giraff_sim.world.body import DriveDirection
 from giraff_sim.world.hand import Hand
 from giraff_sim.world.room import Room
 
@@ -52,7 +52,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     motion_digest: str
     """SHA-256 of all bytes between base and its board, with their times, and of the pose at the end."""
     violations: tuple[Violation, ...]
-    story: tuple[str, ...]
+    events: tuple[str, ...]
     counts: dict[str, int]
     path: float
     """m."""
@@ -65,9 +65,9 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
         return self.path >= _DRIVES
 
     @property
-    def story_digest(self) -> str:
-        """SHA-256 of the story. Another wording changes it, and leaves `motion_digest` as it was."""
-        return hashlib.sha256("\n".join(self.story).encode()).hexdigest()
+    def event_digest(self) -> str:
+        """SHA-256 of the event log. Another wording changes it, and leaves `motion_digest` as it was."""
+        return hashlib.sha256("\n".join(self.events).encode()).hexdigest()
 
 
 def known_settings(environment: Mapping[str, str] = _STOCK) -> Settings:
@@ -81,7 +81,7 @@ def known_settings(environment: Mapping[str, str] = _STOCK) -> Settings:
 Course = Generator[str, None, None]
 """Begins a fault, yields what to tell, and ends the fault when it is called on. One that finds what it would spoil
 spoilt already returns before it yields: it does not happen."""
-Begin = Callable[["Drill", Random], Course]
+Begin = Callable[["SimulatedRun", Random], Course]
 
 
 class Kind(NamedTuple):
@@ -110,7 +110,7 @@ def fault(
     return add
 
 
-class Befall(NamedTuple):
+class ScheduledFault(NamedTuple):
     """A fault that is to come."""
 
     kind: Kind
@@ -126,22 +126,22 @@ class Scenario(NamedTuple):
     room: Room
     hand: Hand
     seconds: float
-    befalls: tuple[Befall, ...]
+    faults: tuple[ScheduledFault, ...]
     truth: Truth = EXACT
     presses: tuple[tuple[float, float], ...] = ()
     """When the joystick's button is pressed and let go, s."""
 
 
-class Drill:
+class SimulatedRun:
     """The robot, its people and its faults, while they run."""
 
     def __init__(self, running: Simulation, settings: Settings, services: Services, scenario: Scenario) -> None:
         chance = Random(f"{scenario.seed}/drill")
         agenda = EventQueue()
         self.seconds = scenario.seconds
-        self.story = Story(agenda)
+        self.event_log = EventLog(agenda)
         self.network = FaultyNetwork(agenda, chance)
-        self.judge = Judge(agenda, running, settings, self.story)
+        self.judge = Judge(agenda, running, settings, self.event_log)
         self.loop = ClosedLoop(running, settings, services, self.network, self.judge, agenda)
         self.loop.hosts["robot"].disk.write_us = Random(f"{scenario.seed}/disk").randint(*_WRITES_US)
         self.loop.kill("odometry")  # not in the chain that drives
@@ -152,8 +152,8 @@ class Drill:
         self._names = 0
         self._claims: list[Any] = []  # of the fault that begins
         self._claimed: list[Any] = []
-        for befall in scenario.befalls:
-            self._plan(*befall)
+        for fault in scenario.faults:
+            self._plan(*fault)
         for begin, end in scenario.presses:
             agenda.at(round(begin * 1e6), self._press_joystick)
             agenda.at(round(end * 1e6), self._let_joystick_go)
@@ -192,7 +192,7 @@ class Drill:
 
     @contextmanager
     def stops(
-        self, what: str, bound_us: int, way: Way = "any", applies: Callable[[], bool] = lambda: True
+        self, what: str, bound_us: int, way: DriveDirection = "any", applies: Callable[[], bool] = lambda: True
     ) -> Iterator[None]:
         """Hold the robot to standing still within `bound_us`, as long as the fault lasts."""
         self.judge.stops.begin(Stop(what, self.loop.agenda.now_us, bound_us, way, applies))
@@ -223,27 +223,27 @@ class Drill:
         simulation = self.loop.simulation
         simulation.world.button = True
         drives = " while the robot drives" if simulation.world.body.activity else ""
-        self.story.log(f"the joystick's button is pressed{drives}")
-        self.story.count(f"the joystick's button is pressed{drives}")
+        self.event_log.log(f"the joystick's button is pressed{drives}")
+        self.event_log.count(f"the joystick's button is pressed{drives}")
 
     def _let_joystick_go(self) -> None:
         self.loop.simulation.world.button = False
-        self.story.log("the joystick's button is let go")
+        self.event_log.log("the joystick's button is let go")
 
     def _press_button(self, process: Process) -> Button:
         self.button = Button(process, self.judge)
         return self.button
 
-    def _take_care(self, process: Process) -> Caretaker:
-        self.caretaker = Caretaker(process)
-        return self.caretaker
+    def _take_care(self, process: Process) -> EStopOperator:
+        self.estop_operator = EStopOperator(process)
+        return self.estop_operator
 
     def _plan(self, kind: Kind, at: float, chance: Random) -> None:
         """Let a fault happen at that moment."""
         at_us = round(at * 1e6)
         lasts_us = round(chance.uniform(*kind.lasts) * 1e6)
         course = kind.begin(self, chance)
-        freedom = self.judge.freedom
+        clearance = self.judge.clearance
 
         def begin() -> None:
             claims: list[Any] = []
@@ -252,17 +252,17 @@ class Drill:
             if not told:
                 return
             self._claimed += claims
-            freedom.disturb()
-            self.story.count(f"fault: {kind.name}")
-            self.story.log(f"{told}, for {lasts_us / 1e6:.2f} s" if lasts_us else told)
+            clearance.disturb()
+            self.event_log.count(f"fault: {kind.name}")
+            self.event_log.log(f"{told}, for {lasts_us / 1e6:.2f} s" if lasts_us else told)
             self.loop.agenda.at(at_us + lasts_us, partial(end, claims))
 
         def end(claims: list[Any]) -> None:
             next(course, None)
             for claim in claims:
                 self._claimed.remove(claim)
-            self.story.log(f"{kind.name} is over")
-            freedom.calm(self.loop.agenda.now_us + round(kind.calm_after * 1e6))
+            self.event_log.log(f"{kind.name} is over")
+            clearance.calm(self.loop.agenda.now_us + round(kind.calm_after * 1e6))
 
         self.loop.agenda.at(at_us, begin)
 
@@ -279,15 +279,15 @@ def play(
     robot, drive = settings.robot, settings.base.drive
     world = world_of(scenario.room, robot, drive, sim, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=build) as running:
-        run = Drill(running, settings, services or Services(), scenario)
+        run = SimulatedRun(running, settings, services or Services(), scenario)
         run.run(until_rules)
         plant = world.plant
         return Outcome(
             seed=scenario.seed,
             motion_digest=hashlib.sha256(run.cable("base").digest() + repr(plant.pose).encode()).hexdigest(),
             violations=tuple(run.judge.violations),
-            story=tuple(run.story.lines),
-            counts=dict(run.story.counts),
+            events=tuple(run.event_log.lines),
+            counts=dict(run.event_log.counts),
             path=plant.path_length,
             near=run.judge.near,
             contacts=plant.contacts,

@@ -6,7 +6,7 @@ import re
 from typing import Final
 
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import BaseState, EStop, Freedom, GuardState, Lease, Sample, Verdict
+from giraff_schemas.messages import BaseState, Clearance, DirectionLimit, EStop, GuardState, Lease, Sample
 from giraff_schemas.trouble import Trouble
 from giraff_viewer.glyphs import drawable
 
@@ -16,7 +16,7 @@ Line = tuple[str, str]
 _NUMBER: Final = re.compile(r"\d+")
 
 
-class Story:
+class EventText:
     """The newest of each, and what was told of it already."""
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class Story:
             case _:
                 return []
 
-    def tell(self, subject: str, line: Line) -> list[Line]:
+    def add(self, subject: str, line: Line) -> list[Line]:
         """The same of anything else."""
         return self._changes({subject: line})
 
@@ -83,7 +83,7 @@ class Story:
         return new
 
 
-def verdicts(guard: GuardState) -> dict[str, Verdict]:
+def verdicts(guard: GuardState) -> dict[str, DirectionLimit]:
     """By direction."""
     return {
         "forward": guard.forward,
@@ -101,9 +101,9 @@ def _of_guard(guard: GuardState) -> dict[str, Line]:
     return said
 
 
-def _of_verdict(verdict: Verdict) -> Line:
-    by = f" by {verdict.sensor}" if verdict.sensor and verdict.freedom != "free" else ""
-    return ("WARN" if verdict.freedom == "blocked" else "INFO"), f"{verdict.freedom}{by}"
+def _of_verdict(verdict: DirectionLimit) -> Line:
+    by = f" by {verdict.sensor}" if verdict.sensor and verdict.clearance != "free" else ""
+    return ("WARN" if verdict.clearance == "blocked" else "INFO"), f"{verdict.clearance}{by}"
 
 
 def _of_base(base: BaseState) -> dict[str, Line]:
@@ -126,14 +126,14 @@ def _because(reason: Trouble) -> str:
 
 def _table(guard: GuardState) -> list[str]:
     rows = [
-        f"| {way} | {_strong(each.freedom)} | {each.allowed:.2f} | {_cell(each.sensor)} | {_cell(str(each.reason))} |"
+        f"| {way} | {_strong(each.clearance)} | {each.allowed:.2f} | {_cell(each.sensor)} | {_cell(str(each.reason))} |"
         for way, each in verdicts(guard).items()
     ]
     return ["| way | is | m/s, rad/s | sensor | why |", "|---|---|---|---|---|", *rows]
 
 
-def _strong(freedom: Freedom) -> str:
-    return freedom if freedom == "free" else f"**{freedom}**"
+def _strong(clearance: Clearance) -> str:
+    return clearance if clearance == "free" else f"**{clearance}**"
 
 
 def _cell(text: str) -> str:

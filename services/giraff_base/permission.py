@@ -7,14 +7,14 @@ from typing import Final
 from giraff_base.ages import Ages, ages_of
 from giraff_base.arming import Arming
 from giraff_base.battery import BatteryWatch
-from giraff_base.binding import Binding
+from giraff_base.binding import GuardBinding
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Drive
 from giraff_base.estop import EStopControl
 from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime, Side
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _NO_GUARD: Final = Trouble("the guard is not heard", "start giraff_guard on this machine")
 _CLOCK_WENT_BACK: Final = Trouble("the robot's clock went back", "restart giraff_base")
@@ -24,7 +24,7 @@ _OPERATORS_FAULT: Final = Trouble("the operator's side reports a fault")
 _NO_HOLDER: Final = Trouble("nobody holds the lease", action="ask")
 
 
-class Authority:
+class Permission:
     """Whose command counts, whether the robot is armed, and what stands against it."""
 
     def __init__(
@@ -34,7 +34,7 @@ class Authority:
         drive: Drive,
         *,
         battery_was_empty: bool = False,
-        lost_parameters: Trouble = WELL,
+        lost_parameters: Trouble = NO_TROUBLE,
     ) -> None:
         """`lost_parameters`: a saved limit that may be lost; nothing moves then."""
         self._live = live
@@ -43,14 +43,14 @@ class Authority:
         self._unchecked = live.config.drive.unchecked
         self._lost_parameters = lost_parameters
         self.arming = Arming(live)
-        self.binding = Binding(live, self.arming)
+        self.binding = GuardBinding(live, self.arming)
         self.battery = BatteryWatch(live, was_empty=battery_was_empty)
         self.round_trip: float | None = None
         """s; age of the operator's tick when it was used last."""
         self.budget_left: float | None = None
         """s until the first of the ticks in use is too old."""
         self._command: GuardedCommand | None = None
-        self._refused = WELL  # why the newest command of any guard did not count
+        self._refused = NO_TROUBLE  # why the newest command of any guard did not count
         self._refused_ns = 0
         self._newest_ns = 0
         self._clock_trusted_ns = 0
@@ -95,7 +95,7 @@ class Authority:
         share, late = ages.share(self._live.config)
         if self.battery.share < share:
             share, late = self.battery.share, self.battery.warning
-        slowed = late.of("slowed") if share < 1.0 and not command.neutral else WELL
+        slowed = late.of("slowed") if share < 1.0 and not command.neutral else NO_TROUBLE
         return command.linear_x * share, command.angular_z * share, command.reason or slowed
 
     def free_side(self, now: RobotTime) -> Side:
@@ -110,11 +110,11 @@ class Authority:
         clock_went_back = now.robot_ns < self._clock_trusted_ns
         forbidden = (
             self._estop.stops
-            or (_CLOCK_WENT_BACK if clock_went_back else WELL)
+            or (_CLOCK_WENT_BACK if clock_went_back else NO_TROUBLE)
             or self._unchecked
             or self._lost_parameters
             or self.binding.intruder
-            or self._drive.forbids
+            or self._drive.arming_block
         )
         if forbidden:
             self.arming.disarm(forbidden.what)
@@ -133,7 +133,7 @@ class Authority:
             return told or _OPERATORS_FAULT
         if command.lease_counter == 0:
             return told or _NO_HOLDER
-        return WELL
+        return NO_TROUBLE
 
     def _disarm_if_stale(self, ages: Ages) -> None:
         """Disarm when a part of the command in charge has been stale for too long."""
@@ -147,7 +147,7 @@ class Authority:
         """
         self.binding.forget(now)
         if (now.robot_ns - self._refused_ns) * 1e-9 >= self._live.config.guard_silence:
-            self._refused = WELL
+            self._refused = NO_TROUBLE
         if now.robot_ns < self._newest_ns:
             self._clock_trusted_ns = self._newest_ns + round(self._live.config.disarm_time * 1e9)
         self._newest_ns = max(self._newest_ns, now.robot_ns)

@@ -12,7 +12,6 @@ from typing import Any, Final, NamedTuple
 import msgspec
 
 from giraff_core.network import NetworkConfig
-from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import (
     ConfigError,
     RawSettings,
@@ -22,6 +21,7 @@ from giraff_node.config.robot_file import (
     read,
     robot_file,
 )
+from giraff_node.config.typos import find_misplaced
 from giraff_node.network.reach import address_fault
 from giraff_node.network.session import CERTIFICATES
 
@@ -122,13 +122,13 @@ def _salvaged(text: str) -> dict[str, Any]:
     for section in re.split(r"^(?=[ \t]*\[)", text, flags=re.MULTILINE):
         if re.match(r"[ \t]*\[[ \t]*network\b", section):
             header, *lines = section.splitlines()
-            if not _take(section, network):
+            if not _merge_text(section, network):
                 for line in lines:
-                    _take(f"{header}\n{line}", network)
+                    _merge_text(f"{header}\n{line}", network)
     return network
 
 
-def _take(text: str, network: dict[str, Any]) -> bool:
+def _merge_text(text: str, network: dict[str, Any]) -> bool:
     """Add to `network` what the text says of it. False: it is no TOML."""
     try:
         told = parse_toml(text).get("network")

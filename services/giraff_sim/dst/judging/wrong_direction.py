@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_sim.dst.judging.wishes import Way
+from giraff_sim.dst.judging.true_input import PointedDirection
 from giraff_sim.world.body import Body
 
 _CONTRARY: Final = 0.05  # m/s of the centre, or of each wheel where it turns
@@ -14,16 +14,16 @@ _OBEYS_US: Final = 450_000  # within which a wish that has changed is obeyed, or
 _LASTS_US: Final = 500_000
 
 
-class Contrary:
+class WrongDirection:
     """Asked after each step, with and without power."""
 
     def __init__(self, body: Body) -> None:
         self._plant, self._acts, self._settles_us = body.plant, body.acts, body.settles_us
-        self._asked: tuple[str, Way] = "", (None, None)
+        self._asked: tuple[str, PointedDirection] = "", (None, None)
         self._since_us = [0, 0]  # the robot goes the other way, or may still
         self._asks_us = 0  # when the operator may have asked for something last
 
-    def look(self, operator: str, way: Way, now_us: int) -> str:
+    def judge(self, operator: str, way: PointedDirection, now_us: int) -> str:
         """How a robot whose motors have power goes against the `way` that `operator` points; empty when it does not."""
         (operator_before, way_before), self._asked = self._asked, (operator, way)
         if way != (0, 0) or operator != operator_before:
@@ -34,7 +34,7 @@ class Contrary:
             return f"{self._acts} {(now_us - self._asks_us) / 1e6:.3f} s after {operator} has let go"
         return f"{against}, where {operator} points elsewhere" if against else ""
 
-    def _against(self, way: Way, changed: list[bool], now_us: int) -> str:
+    def _against(self, way: PointedDirection, changed: list[bool], now_us: int) -> str:
         plant = self._plant
         speeds = plant.speed, (plant.right.speed - plant.left.speed) / 2.0
         against = ""

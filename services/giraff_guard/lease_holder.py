@@ -10,7 +10,7 @@ from giraff_core.lease import ASK, IDLE
 from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
-from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again
 _MOST_AHEAD: Final = 1000
@@ -20,7 +20,7 @@ _LINK: Final = "check its link"
 _AT_FAULT: Final = "was at fault"
 
 
-class Authority:
+class LeaseHolder:
     """The lease: (instance of the operator, this guard, counter).
 
     A late, repeated or foreign command neither keeps the lease alive nor stands in the way of the holder's next one,
@@ -50,7 +50,7 @@ class Authority:
         self._heard_ns = self._hand_ns = self._wish_ns = 0
         self._ended = ""  # what ended the last lease; empty: its holder was at rest, or there was none
         self._is_alone = True  # no command of any operator was ever heard
-        self._complaint = WELL
+        self._complaint = NO_TROUBLE
         self._complaint_ns = 0
 
     def on_command(self, command: DriveCommand, now: RobotTime) -> bool:
@@ -104,7 +104,7 @@ class Authority:
             return None, Trouble(f"{self.operator} has not heard under which lease it drives", _LINK)
         if command is None or age(command.tick, now) > self._live.config.operator_budget:
             return None, self._recent_complaint(now) or Trouble(f"no fresh command of {self.operator}", _LINK)
-        return command, WELL
+        return command, NO_TROUBLE
 
     def reason(self, now: RobotTime) -> Trouble:
         """For those who do not hold the lease: who does, or why nobody, and what they do now."""
@@ -143,7 +143,7 @@ class Authority:
         self.command = None
         self._seq = command.seq
         self._heard_ns = self._hand_ns = self._wish_ns = now.robot_ns
-        self._complaint = WELL
+        self._complaint = NO_TROUBLE
         self._used = False
 
     def _holds(self, command: DriveCommand) -> bool:
@@ -158,7 +158,7 @@ class Authority:
 
     def _count(self, command: DriveCommand, now: RobotTime) -> None:
         """Keep the lease alive by a fresh command of its holder."""
-        self._complaint = WELL
+        self._complaint = NO_TROUBLE
         self._used = True
         self._heard_ns = now.robot_ns
         if command.source == "hand":
@@ -178,4 +178,4 @@ class Authority:
 
     def _recent_complaint(self, now: RobotTime) -> Trouble:
         recent = (now.robot_ns - self._complaint_ns) * 1e-9 <= self._live.config.operator_release
-        return self._complaint if recent else WELL
+        return self._complaint if recent else NO_TROUBLE

@@ -15,7 +15,7 @@ _INVERT_ENCODER: Final = (Wiring.INVERT_LEFT_ENCODER, Wiring.INVERT_RIGHT_ENCODE
 Pair = tuple[float, float]
 
 
-class Soldering:
+class MotorWiring:
     """Between the plant's wheels, by side, and the motors and encoders of board_model.h, by number."""
 
     def __init__(self) -> None:
@@ -48,8 +48,8 @@ class Soldering:
             turned[self.encoder_of(wheel)] = self._signed(_INVERT_ENCODER, wheel, states[wheel])
         return self._starts[0] + turned[0], self._starts[1] + turned[1]
 
-    def solder(self, wiring: Wiring, states: Pair) -> None:
-        """Solder all anew, with the wheels where they are: no encoder moves."""
+    def rewire(self, wiring: Wiring, states: Pair) -> None:
+        """Rewire all, with the wheels where they are: no encoder moves."""
         before = self.positions(states)
         self.wiring, self._starts = wiring, (0.0, 0.0)
         self._is_crossed = bool(wiring)

@@ -5,19 +5,19 @@ from __future__ import annotations
 from giraff_schemas.messages import Odometry, RobotTime
 
 
-class Origin:
+class Segment:
     """Begins anew where odometry, base's board or the pose does."""
 
     def __init__(self) -> None:
-        self._origin: tuple[str, int, int] | None = None
+        self._segment: tuple[str, int, int] | None = None
         self._since: RobotTime | None = None
         self._newest: RobotTime | None = None
 
-    def hear(self, odometry: Odometry) -> None:
+    def on_odometry(self, odometry: Odometry) -> None:
         """Take a sample, as it arrives."""
-        origin = (*odometry.origin, odometry.boot_id)
-        if origin != self._origin:
-            self._origin, self._since = origin, odometry.tick
+        segment = (*odometry.segment, odometry.boot_id)
+        if segment != self._segment:
+            self._segment, self._since = segment, odometry.tick
         self._newest = odometry.tick
 
     def holds(self, tick: RobotTime | None) -> bool:

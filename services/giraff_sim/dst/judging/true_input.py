@@ -20,7 +20,7 @@ _SAME_US: Final = 30_000  # a reading's age within its board: what the hand did 
 _DOUBT_DEG: Final = 1.0
 _KEYS: Final = {ord("w"): (1, 0), ord("s"): (-1, 0), ord("a"): (0, 1), ord("d"): (0, -1)}
 
-Way = tuple[int | None, int | None]
+PointedDirection = tuple[int | None, int | None]
 """Sign of the way that a hand asks for, forward and left; 0: surely neither, None: one cannot tell."""
 
 
@@ -29,10 +29,10 @@ class _Held(NamedTuple):
 
     at_us: int
     neutral: bool
-    way: Way
+    way: PointedDirection
 
 
-class Wishes:
+class TrueInput:
     """Of each operator, by its process's instance."""
 
     def __init__(self, config: JoystickConfig, offset: Vector) -> None:
@@ -40,7 +40,7 @@ class Wishes:
         self._zone = config.dead_zone_deg
         self._off = [math.degrees(math.asin(abs(axis) / GRAVITY)) for axis in offset[:2]]
         self._held: dict[str, deque[_Held]] = defaultdict(deque)
-        self._pressed: dict[str, deque[tuple[int, Way]]] = defaultdict(deque)
+        self._pressed: dict[str, deque[tuple[int, PointedDirection]]] = defaultdict(deque)
 
     def hold(self, instance: str, acceleration: Vector, now_us: int) -> None:
         """A joystick is held so that this truly acts on it (m/s²)."""
@@ -78,7 +78,7 @@ class Wishes:
         pressed = takewhile(lambda press: us - press[0] < _PRESS_US, reversed(self._pressed[instance]))
         return all(at_us > us for at_us, _ in pressed)
 
-    def way(self, instance: str, now_us: int) -> Way:
+    def way(self, instance: str, now_us: int) -> PointedDirection:
         """Which way the hand asks to go now."""
         if instance in self._held:
             return self._held[instance][-1].way

@@ -11,7 +11,7 @@ from giraff_schemas.wire import DriveFrame, SpeedFrame
 _SPEED_OFF: Final = 2e-6  # m/s: a frame has whole micrometres a second
 
 
-class Asked(NamedTuple):
+class WheelRequest(NamedTuple):
     """What base asks of the wheels, m/s."""
 
     left: float

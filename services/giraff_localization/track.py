@@ -67,7 +67,7 @@ class _Moment(NamedTuple):
     pose: Pose
 
 
-class RobotWay:
+class Track:
     """Poses here are of the frame in which the robot began."""
 
     def __init__(self) -> None:
@@ -120,12 +120,12 @@ class RobotWay:
 
     @property
     def way(self) -> float:
-        """m since the last `take`."""
+        """m since the last `pop_stride`."""
         return self._way
 
     @property
     def turned(self) -> float:
-        """rad, either side, since the last `take`."""
+        """rad, either side, since the last `pop_stride`."""
         return self._turned
 
     @property
@@ -133,7 +133,7 @@ class RobotWay:
         """Whether odometry has missed something since then that matters."""
         return max(self._position_variance, self._yaw_variance) > _SOMETHING**2
 
-    def take(self) -> Stride:
+    def pop_stride(self) -> Stride:
         """What has come together since the last time."""
         here = self.pose.seen_from(self._start)
         stride = Stride(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+from giraff_sim.dst.judging.lost_near_sensor import LostNearSensor
 from giraff_sim.dst.judging.sensors import looks_along
-from giraff_sim.dst.judging.touching import Touching
 from giraff_sim.settings import Settings
 from giraff_sim.world.world import World
 
@@ -26,14 +26,14 @@ _FAN: Final = math.radians(50.0)
 _RAYS: Final = 101  # two are 2 cm apart where the body would end: nothing that echoes lies between them
 
 
-class Freedom:
+class ClearanceCheck:
     """Asked while the motors stand still, and told each step."""
 
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
         self._robot = settings.robot
         self._patience_us = _PATIENCE_US + world.body.settles_us
-        self._touching = Touching(world, settings)
+        self._lost_near_sensor = LostNearSensor(world, settings)
         self._refused_us: int | None = None
         self._looked_us = 0
         self._disturbances = 0
@@ -41,7 +41,7 @@ class Freedom:
 
     def note(self, now_us: int) -> None:
         """Take what this step has brought."""
-        self._touching.note(now_us)
+        self._lost_near_sensor.note(now_us)
 
     def disturb(self) -> None:
         """A fault begins: nothing is sure to be proven."""
@@ -85,7 +85,9 @@ class Freedom:
         if given.command.instance != passed.command.operator:
             return False
         way = math.copysign(1.0, command.linear_x)
-        return self._is_proven(passed, way, now_us) and not self._touching.is_possible(way) and self._is_free(way)
+        return (
+            self._is_proven(passed, way, now_us) and not self._lost_near_sensor.is_possible(way) and self._is_free(way)
+        )
 
     def _is_proven(self, passed: Passed, way: float, now_us: int) -> bool:
         for name, pose in self._robot.sensors.items():

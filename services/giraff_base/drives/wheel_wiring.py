@@ -14,7 +14,7 @@ CHECK_THEM: Final[tuple[str, Action, str]] = "lift the wheels", "run", "giraff c
 """Remedy, action and argument where the wiring may be wrong."""
 
 
-class Soldered(msgspec.Struct, frozen=True, kw_only=True):
+class WheelWiring(msgspec.Struct, frozen=True, kw_only=True):
     """The six bits of the wiring. None: nobody has checked, and base does not arm."""
 
     swap_motors: bool | None = None

@@ -36,11 +36,11 @@ _PLAIN: Final = (
 class Guarded(asyncio.Protocol):
     """Stands between a connection and its HTTP, and knows what it is good for."""
 
-    def __init__(self, connection: socket.socket, now: float, doorman: Doorman) -> None:
+    def __init__(self, connection: socket.socket, now: float, limiter: ConnectionLimiter) -> None:
         self.connection = connection
         self.inner = asyncio.Protocol()
         """Its HTTP; before TLS is agreed on it does nothing."""
-        self._doorman = doorman
+        self._limiter = limiter
         self.address = _address(connection.getpeername)
         self.own_address = _address(connection.getsockname)
         """Of this host, at which it was reached."""
@@ -56,9 +56,9 @@ class Guarded(asyncio.Protocol):
 
     def end(self) -> None:
         """At once, whatever waits to be written."""
-        self._doorman.forget(self)
+        self._limiter.forget(self)
         if self.opening is None:
-            self._doorman.close_bare(self)
+            self._limiter.close_bare(self)
             return
         with contextlib.suppress(OSError):  # the other side was quicker
             self.connection.shutdown(socket.SHUT_RDWR)  # which ends a handshake, too
@@ -67,7 +67,7 @@ class Guarded(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self.transport = transport
-        self._doorman.let_in(self)
+        self._limiter.let_in(self)
         self.inner.connection_made(transport)
 
     def data_received(self, data: bytes) -> None:
@@ -84,10 +84,10 @@ class Guarded(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self.inner.connection_lost(exc)
-        self._doorman.forget(self)
+        self._limiter.forget(self)
 
 
-class Doorman:
+class ConnectionLimiter:
     """Takes the connections of one listening socket. Of its event loop's thread."""
 
     def __init__(
@@ -113,8 +113,8 @@ class Doorman:
     async def run(self) -> None:
         """Until it is cancelled."""
         async with asyncio.TaskGroup() as both:
-            both.create_task(self._take())
-            both.create_task(self._look())
+            both.create_task(self._accept())
+            both.create_task(self._watch())
 
     def close(self) -> None:
         for crowd in self._crowds:
@@ -138,7 +138,7 @@ class Doorman:
         self._loop.remove_reader(guarded.connection)
         guarded.connection.close()
 
-    async def _take(self) -> None:
+    async def _accept(self) -> None:
         while True:
             await asyncio.sleep(0)  # whoever is inside comes between two that call
             try:
@@ -147,13 +147,13 @@ class Doorman:
                 await asyncio.sleep(_AFTER_TROUBLE)
                 continue
             guarded = Guarded(connection, self._loop.time(), self)
-            self._loop.add_reader(connection, self._hear, guarded)
+            self._loop.add_reader(connection, self._begin_tls, guarded)
             if self._move(guarded, self.bare):
-                self._hear(guarded)  # mostly it has said something by now
+                self._begin_tls(guarded)  # mostly it has said something by now
             else:
                 guarded.end()
 
-    def _hear(self, guarded: Guarded) -> None:
+    def _begin_tls(self, guarded: Guarded) -> None:
         """Begin TLS once there is a first byte of it: before that a connection gets no buffers."""
         try:
             first = guarded.connection.recv(1, socket.MSG_PEEK)
@@ -219,7 +219,7 @@ class Doorman:
         guarded.crowd = crowd if crowd.enter(guarded) else None
         return guarded.crowd is not None
 
-    async def _look(self) -> None:
+    async def _watch(self) -> None:
         while True:
             await asyncio.sleep(_LOOK)
             for crowd in self._crowds:

@@ -23,10 +23,10 @@ _EPOCHS: Final = 16
 class _Moment(NamedTuple):
     robot_ns: int
     pose: Pose
-    origin: tuple[str, int]
+    segment: tuple[str, int]
 
 
-class Way:
+class PoseHistory:
     """The newest `REMEMBERED` s of one start of base.
 
     Two samples of one tick count once, as the later one: telemetry comes oftener than ticks.
@@ -37,7 +37,7 @@ class Way:
         self._over: deque[int] = deque(maxlen=_EPOCHS)
         self._moments: deque[_Moment] = deque()
 
-    def hear(self, odometry: Odometry) -> None:
+    def on_odometry(self, odometry: Odometry) -> None:
         """Take a sample; one that is older than the newest says nothing new."""
         tick = odometry.tick
         if tick.epoch in self._over:
@@ -52,7 +52,7 @@ class Way:
             return
         if moments and tick.robot_ns == moments[-1].robot_ns:
             moments.pop()
-        moments.append(_Moment(tick.robot_ns, Pose(odometry.x, odometry.y, odometry.yaw), odometry.origin))
+        moments.append(_Moment(tick.robot_ns, Pose(odometry.x, odometry.y, odometry.yaw), odometry.segment))
         while tick.robot_ns - moments[0].robot_ns > REMEMBERED * 1e9:
             moments.popleft()
 
@@ -74,7 +74,7 @@ class Way:
             return later.pose
         earlier = self._moments[after - 1]
         gap = (later.robot_ns - earlier.robot_ns) / 1e9
-        if earlier.origin != later.origin:
+        if earlier.segment != later.segment:
             raise GapError(
                 "odometry was set, or began anew, at that moment: nobody can tell where the robot was then; "
                 "take another moment"

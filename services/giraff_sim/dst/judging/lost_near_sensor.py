@@ -29,10 +29,10 @@ class _Lost(NamedTuple):
     distance: float
 
 
-class Touching:
+class LostNearSensor:
     """Knows what each sensor has lost so near, until the robot has moved or turned away from there.
 
-    Pings and poses are the world's. The guard's numbers are the robot file's: no fault sets another `near`.
+    Pings and poses are the world's. The guard's numbers are the robot file's: no fault sets another `touch_distance`.
     """
 
     def __init__(self, world: World, settings: Settings) -> None:
@@ -47,9 +47,9 @@ class Touching:
     def note(self, now_us: int) -> None:
         """Take the pings of this step, and where the robot is."""
         pose = self._world.plant.pose
-        for name, sonar in self._new.take():
+        for name, sonar in self._new.pop_new():
             self._pings[name].append(_Ping(now_us, pose, sonar.told))
-            self._look(name, self._sensors[name].yaw)
+            self._judge(name, self._sensors[name].yaw)
         for name, lost in list(self._lost.items()):
             if self._is_away(name, lost, pose):
                 del self._lost[name]
@@ -58,27 +58,27 @@ class Touching:
         """Whether something may touch a sensor that looks along `way`: 1 forward, -1 backward."""
         return any(looks_along(self._sensors[name], way) for name in self._lost)
 
-    def _look(self, name: str, axis: float) -> None:
+    def _judge(self, name: str, axis: float) -> None:
         """At the newest ping: two that agree, the later one near, and then one from farther away or none."""
         if len(self._pings[name]) < 3:
             return
         before, last, newest = self._pings[name]
-        if newest.told is not None and newest.told < self._guard.near:
+        if newest.told is not None and newest.told < self._guard.touch_distance:
             self._lost.pop(name, None)  # it is there again
-        if before.told is None or last.told is None or last.told > self._guard.near + _RESOLUTION:
+        if before.told is None or last.told is None or last.told > self._guard.touch_distance + _RESOLUTION:
             return
         turned = before.told * abs(math.remainder(last.pose.yaw - before.pose.yaw, math.tau))
-        if abs(_farther(before, last, axis)) > _LATER * self._guard.agreement + turned:
+        if abs(_farther(before, last, axis)) > _LATER * self._guard.range_tolerance + turned:
             return
         walked = self._guard.person_speed * (newest.at_us - last.at_us) * 1e-6
-        if _farther(last, newest, axis) > _EARLIER * (self._guard.agreement + walked):
+        if _farther(last, newest, axis) > _EARLIER * (self._guard.range_tolerance + walked):
             self._lost[name] = _Lost(last.pose, last.told)
 
     def _is_away(self, name: str, lost: _Lost, pose: Pose) -> bool:
         away = lost.distance - _nearer(lost.pose, pose, self._sensors[name].yaw)
         half_cone = self._guard.half_cone or self._robot.model(name).half_cone
         turned = abs(math.remainder(pose.yaw - lost.pose.yaw, math.tau))
-        return away >= _LATER * 2.0 * self._guard.near or turned >= _LATER * 4.0 * half_cone
+        return away >= _LATER * 2.0 * self._guard.touch_distance or turned >= _LATER * 4.0 * half_cone
 
 
 def _nearer(then: Pose, now: Pose, axis: float) -> float:

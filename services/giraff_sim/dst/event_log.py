@@ -11,7 +11,7 @@ from giraff_sim.hosts.event_queue import EventQueue
 _VARIES: Final = re.compile(r"\b[0-9a-f]{8}\b|[0-9]+(\.[0-9]+)?")  # instances and numbers
 
 
-class Story:
+class EventLog:
     """A timeline, and what it counts."""
 
     def __init__(self, agenda: EventQueue) -> None:

@@ -19,24 +19,24 @@ from giraff_localization.clusters import are_near
 from giraff_localization.fit import Fit, compare
 from giraff_localization.floor import Floor
 from giraff_localization.free_space import Floats
-from giraff_localization.way import Stride
+from giraff_localization.track import Stride
 
 _WORSE: Final = 0.08
-"""Share of the readings. A place that explains so much less than the best is no twin."""
+"""Share of the readings. A place that explains so much less than the best is not equivalent."""
 _YOUNG: Final = 1.0
-"""m of way, turns counted, on which a new twin finds its place. It counts as the best one does until then."""
+"""m of way, turns counted, on which a new one settles. It counts as the best one does until then."""
 _MOST: Final = 8
 _LEAP: Final = 0.5
 """m or rad beside odometry. The best place is another one after such a step."""
 _PARTICLES: Final = 64
 _BEGINS: Final = np.array([0.15, 0.15, 0.1])[:, None]
 _WANDERS: Final = np.array([0.04, 0.04, 0.03])[:, None, None]
-"""m, m and rad, standard deviations of a twin's particles: as it begins, and added in each metre."""
+"""m, m and rad, standard deviations of an equivalent place's particles: as it begins, and added in each metre."""
 _EFFECTIVE: Final = 0.5
 """Share of the particles that may count for nothing before they are drawn anew."""
 
 
-class _Twin:
+class _Place:
     """One place."""
 
     def __init__(self, pose: Pose, fit: Fit, random: np.random.Generator) -> None:
@@ -57,20 +57,20 @@ class _Twin:
             self.log_weights = np.zeros(_PARTICLES)
 
 
-class Twins:
-    """The twins of one search."""
+class EquivalentPlaces:
+    """The equivalent places of one search."""
 
     def __init__(self, floor: Floor) -> None:
         self._floor = floor
         self._random = np.random.default_rng(0)
-        self._twins: list[_Twin] = []
+        self._places: list[_Place] = []
         self._best: Pose | None = None
         self._fit = Fit()
         """How much the best place explains, whichever place that is."""
 
     @property
     def poses(self) -> list[Pose]:
-        return [twin.pose for twin in self._twins]
+        return [place.pose for place in self._places]
 
     def follow(
         self, best: Pose | None, stride: Stride, beams: Sequence[Beam], candidates: Iterable[Pose], *, known: bool
@@ -88,42 +88,42 @@ class Twins:
         if math.dist(shift[:2], step[:2]) <= _LEAP and abs(math.remainder(shift.yaw - step.yaw, math.tau)) <= _LEAP:
             step = shift
         elif known:
-            self._twins.append(_Twin(before, self._fit.copy(), self._random))
+            self._places.append(_Place(before, self._fit.copy(), self._random))
         self._fit.add(compare(self._floor, here, beams), stride.effort)
-        if self._twins:
+        if self._places:
             self._move(step, stride.effort)
             self._weigh(beams)
-        for twin in self._twins:
-            twin.settle(self._random)
-            twin.age += stride.effort
-            if twin.age < _YOUNG:
-                twin.fit = self._fit.copy()
+        for place in self._places:
+            place.settle(self._random)
+            place.age += stride.effort
+            if place.age < _YOUNG:
+                place.fit = self._fit.copy()
             else:
-                twin.fit.add(compare(self._floor, twin.pose, beams), stride.effort)
-        left = (twin for twin in self._twins if twin.fit.share > self._fit.share - _WORSE)
-        self._twins = []
-        for twin in sorted(left, key=lambda twin: twin.fit.share, reverse=True):
-            self._take(twin, here)
+                place.fit.add(compare(self._floor, place.pose, beams), stride.effort)
+        left = (place for place in self._places if place.fit.share > self._fit.share - _WORSE)
+        self._places = []
+        for place in sorted(left, key=lambda place: place.fit.share, reverse=True):
+            self._add(place, here)
         for pose in candidates:
-            self._take(_Twin(pose, self._fit.copy(), self._random), here)
+            self._add(_Place(pose, self._fit.copy(), self._random), here)
 
-    def _take(self, twin: _Twin, here: Pose) -> None:
+    def _add(self, place: _Place, here: Pose) -> None:
         """Keep it where it is a place of its own."""
-        if len(self._twins) < _MOST and not any(are_near(twin.pose, other) for other in (here, *self.poses)):
-            self._twins.append(twin)
+        if len(self._places) < _MOST and not any(are_near(place.pose, other) for other in (here, *self.poses)):
+            self._places.append(place)
 
     def _move(self, step: Pose, effort: float) -> None:
-        """Move the particles of all twins as the robot moves, and let them wander a little."""
-        poses = np.stack([twin.poses for twin in self._twins], 1)
+        """Move the particles of all equivalent places as the robot moves, and let them wander a little."""
+        poses = np.stack([place.poses for place in self._places], 1)
         cos, sin = np.cos(poses[2]), np.sin(poses[2])
         poses += np.array([cos * step.x - sin * step.y, sin * step.x + cos * step.y, np.full_like(cos, step.yaw)])
         poses += math.sqrt(effort) * _WANDERS * self._random.standard_normal(poses.shape)
-        for number, twin in enumerate(self._twins):
-            twin.poses = poses[:, number]
+        for number, place in enumerate(self._places):
+            place.poses = poses[:, number]
 
     def _weigh(self, beams: Sequence[Beam]) -> None:
-        """Weigh the particles of all twins by what was heard."""
-        x, y, yaw = np.stack([twin.poses for twin in self._twins], 1)
+        """Weigh the particles of all equivalent places by what was heard."""
+        x, y, yaw = np.stack([place.poses for place in self._places], 1)
         log = np.where(self._floor.space.holds(x, y), 0.0, OUTSIDE)
         if beams:
             ahead, aside, turn, heard, share = np.array(beams, np.float32).T[:, :, None, None]
@@ -132,5 +132,5 @@ class Twins:
                 x + cos * ahead - sin * aside, y + sin * ahead + cos * aside, yaw + turn
             )
             log += (share * self._floor.model[heard.astype(np.intp), expected]).sum(0)
-        for twin, more in zip(self._twins, log, strict=True):
-            twin.log_weights = twin.log_weights + more
+        for place, more in zip(self._places, log, strict=True):
+            place.log_weights = place.log_weights + more

@@ -10,7 +10,7 @@ from giraff_motion.localized import Correction, Localized, Placed, is_in_map
 from giraff_schemas.motion import Step
 
 
-class Way:
+class Route:
     """Begins before its first piece."""
 
     def __init__(self, steps: Iterable[Step], start: Pose, floor: Limits, spot: Limits, localized: Localized) -> None:
