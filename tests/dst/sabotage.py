@@ -121,9 +121,9 @@ class ForgivingBase(BasePolicy):
 class AmnesiacBase(BasePolicy):
     """Starts released whatever was kept, and releases the board, too."""
 
-    def __init__(self, live: Live[Any], robot: Any, latch: Any) -> None:
+    def __init__(self, live: Live[Any], robot: Any, latch: Any, *rest: Any) -> None:
         del latch
-        super().__init__(live, robot, RELEASED)
+        super().__init__(live, robot, RELEASED, *rest)
 
     def on_link_opened(self, session: int) -> None:
         super().on_link_opened(session)
