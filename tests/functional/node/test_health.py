@@ -40,10 +40,10 @@ def manager(tmp_path: Path) -> Iterator[FakeManager]:
 def test_a_service_tells_what_it_speaks_of_and_listens_to_and_what_it_takes(peers: Peers) -> None:
     process = peers.start("talker")
     wait(lambda: peers.alive() == ["base"], 60.0)
-    wait(lambda: "estop/engage" in peers.health("base").answers)  # its own comes after what every service has
+    wait(lambda: "estop/reset" in peers.health("base").answers)  # its own comes after what every service has
     health = peers.health("base")
     assert (health.publishes, health.subscribes) == (("tick",), ("tick",))
-    assert health.answers == ("param/base", "param/base/set", "param/base/save", "estop/engage")
+    assert health.answers == ("param/base", "param/base/set", "param/base/save", "estop/engage", "estop/reset")
     seen = psutil.Process(process.pid)
     assert health.rss_bytes == pytest.approx(seen.memory_info().rss, rel=0.1)
     assert 0.0 < health.cpu_time <= sum(seen.cpu_times()[:2]) + 0.02  # the kernel cuts both to 10 ms
