@@ -83,7 +83,7 @@ class BasePolicy:
         self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False
-        self._may_hurry = False  # a command may have a frame before the next report
+        self._may_answer_now = False  # a command may have a frame before the next report
         self._link_fault = NO_TROUBLE
         self._driving = False  # the newest frame asks for motion
         self._reason = _NO_REPORT
@@ -140,8 +140,8 @@ class BasePolicy:
 
     def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
         """Take a command of a guard. One that counts goes down at once, and the next ones with the board's report."""
-        if self._permission.on_command(command, now, self._drive.at_rest) and self._may_hurry:
-            self._may_hurry = False
+        if self._permission.on_command(command, now, self._drive.at_rest) and self._may_answer_now:
+            self._may_answer_now = False
             self._answered = False
 
     def on_engage(self, asked: EStopEngage, now: RobotTime) -> EStopAnswer:
@@ -183,14 +183,14 @@ class BasePolicy:
 
     def state(self) -> BaseState:
         """Return base's state as of its newest frame."""
-        authority, is_there, reason = self._permission, self._reported_ns is not None, self.reason
+        permission, is_there, reason = self._permission, self._reported_ns is not None, self.reason
         return BaseState(
-            armed=authority.arming.armed,
+            armed=permission.arming.armed,
             driving=self._driving,
             reason=reason,
-            guard=authority.binding.guard,
-            round_trip=authority.round_trip if is_there else None,
-            budget_left=authority.budget_left if is_there else None,
+            guard=permission.binding.guard,
+            round_trip=permission.round_trip if is_there else None,
+            budget_left=permission.budget_left if is_there else None,
             board=msgspec.structs.replace(self._drive.state(), report_ms=self._live.config.drive.board_type.report_ms),
         )
 
@@ -232,7 +232,7 @@ class BasePolicy:
         self._link_fault = NO_TROUBLE
         self._reported_ns = now.robot_ns
         self._answered = False
-        self._may_hurry = True
+        self._may_answer_now = True
         if (latched := report.latched) is not None and self._estop.is_news(latched):
             self._engage(latched, now)
         if (voltage := self._drive.voltage) is not None:
@@ -251,9 +251,9 @@ class BasePolicy:
             if slowed != allowed:
                 allowed, self._reason = slowed, limit.reason.of("slowed")
         self._ramp.follow(*allowed, now.robot_ns)
-        if waits := self._drive.not_ready:
+        if not_ready := self._drive.not_ready:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
-            self._stand_still(self._reason or waits)
+            self._stand_still(self._reason or not_ready)
         armed, free_side = self._permission.arming.armed, self._permission.free_side(now)
         asked = self._drive.ask(self._ramp.linear, self._ramp.angular, armed=armed, free_side=free_side)
         self._driving = asked.moves

@@ -135,7 +135,7 @@ class _Switch:
             return Trouble(f"{self.name} is stale ({last})", "check giraff_ranger and its board")
         return NO_TROUBLE
 
-    def push(self, motion: RecentTravel, near: float) -> Trouble:
+    def push(self, motion: RecentTravel, touch_distance: float) -> Trouble:
         """Why something stands at it; NO_TROUBLE: nothing does. `touch_distance`: m; twice as much is away."""
         if self._newest is not None and self._newest.pressed:
             return Trouble(f"{self.name} is pushed: something touches it, or its wire is cut")
@@ -146,10 +146,10 @@ class _Switch:
             touched = self._touch(motion)
         axis = 0.0 if SIGN[self.way] > 0.0 else math.pi
         backed = -touched.ahead(motion.place, axis)
-        if backed >= 2.0 * near or abs(motion.place.yaw - touched.yaw) >= _TURNED_AWAY:
+        if backed >= 2.0 * touch_distance or abs(motion.place.yaw - touched.yaw) >= _TURNED_AWAY:
             self._touched = None
             return NO_TROUBLE
-        return Trouble(f"{self.name} was pushed here, and the robot has not come {2.0 * near:g} m away")
+        return Trouble(f"{self.name} was pushed here, and the robot has not come {2.0 * touch_distance:g} m away")
 
     def _touch(self, motion: RecentTravel) -> Pose:
         """Take where the robot is for where it was pushed. While no wheels are heard, that place is not certain."""

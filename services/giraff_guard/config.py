@@ -110,15 +110,13 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         check_bounds(self)
         if self.trust_full_time >= self.trust_end_time or self.trust_full_travel >= self.trust_end_travel:
             raise ValueError(
-                "a sensor's trust ends before it fades: trust_full_time < trust_end_time,"
-                " trust_full_travel < trust_end_travel; to lower"
-                " both, begin with trust_full_time and trust_full_travel"
+                "a sensor's full trust must end before its trust does: trust_full_time < trust_end_time, "
+                "trust_full_travel < trust_end_travel; to lower both, begin with trust_full_time and trust_full_travel"
             )
         if self.untrusted_speed < self.min_speed:
             raise ValueError(
-                f"untrusted_speed is {self.untrusted_speed:g} m/s and min_speed {self.min_speed:g} m/s:"
-                f" less than min_speed"
-                " is a stop, and nothing would ever be proved: untrusted_speed >= min_speed"
+                f"untrusted_speed is {self.untrusted_speed:g} m/s and min_speed {self.min_speed:g} m/s: less than "
+                "min_speed is a stop, and nothing would ever be proved: untrusted_speed >= min_speed"
             )
 
     def rank(self, operator: str) -> int:

@@ -36,7 +36,7 @@ class BoundPublisher:
         self._fault_ns = 0
 
     def admit(self, publisher: str, seq: int, robot_ns: int) -> bool:
-        """Whether a fresh sample counts. Another maker takes over once the one in charge is silent."""
+        """Whether a fresh sample counts. Another publisher takes over once the one in charge is silent."""
         if publisher != self.publisher:
             if self.publisher and not self.silent(robot_ns):
                 second = f"a second {self._what}, {publisher}, speaks beside {self.publisher}"
@@ -53,7 +53,7 @@ class BoundPublisher:
         return True
 
     def silent(self, robot_ns: int) -> bool:
-        """The maker in charge has not been heard for so long that it may be replaced."""
+        """The publisher in charge has not been heard for so long that it may be replaced."""
         return (robot_ns - self._heard_ns) * 1e-9 > self._silence
 
     def fault(self, robot_ns: int) -> Trouble:
@@ -65,7 +65,7 @@ class BoundPublisher:
 
 
 class Identity:
-    """Judges each sample by its maker, its sequence number and its tick.
+    """Judges each sample by its publisher, its sequence number and its tick.
 
     `robot_ns` is this process's own reading of the clock that base's ticks are made of. A tick only ever makes
     something as old as it is: one that lies ahead of that clock, or behind one already heard, is not taken.
@@ -109,13 +109,13 @@ class Identity:
 
     def admits_sensed(self, reading: Range | Bump, robot_ns: int) -> bool:
         """Whether a reading counts."""
-        bond = self._rangers.get(reading.sensor)
-        if bond is None:
+        bound = self._rangers.get(reading.sensor)
+        if bound is None:
             return False
         if not self._fresh(reading.tick, self.now(robot_ns)):
             self._unproven[reading.sensor] = robot_ns
             return False
-        return bond.admit(reading.instance, reading.seq, robot_ns)
+        return bound.admit(reading.instance, reading.seq, robot_ns)
 
     def admits_report(self, report: Wheels | Attitude, robot_ns: int) -> bool:
         """Whether a report of the wheels or of the lean counts: base's own only."""
@@ -129,7 +129,7 @@ class Identity:
 
     def fault(self, robot_ns: int) -> Trouble:
         """Two of what there may be one of, or one replaced: the robot must be armed anew."""
-        found = [fault for bond in (self._base, *self._rangers.values()) if (fault := bond.fault(robot_ns))]
+        found = [fault for bound in (self._base, *self._rangers.values()) if (fault := bound.fault(robot_ns))]
         *others, last = found or [NO_TROUBLE]
         return msgspec.structs.replace(last, what="; ".join([*map(str, others), last.what]))
 
@@ -144,10 +144,10 @@ class Identity:
     def sensor_faults(self, robot_ns: int) -> dict[str, Trouble]:
         """By sensor: why its readings do not count now, although they come."""
         faults = {}
-        for name, bond in self._rangers.items():
-            if fault := bond.fault(robot_ns):
+        for name, bound in self._rangers.items():
+            if fault := bound.fault(robot_ns):
                 faults[name] = fault
-            elif bond.silent(robot_ns) and name in self._unproven and self._lately(self._unproven[name], robot_ns):
+            elif bound.silent(robot_ns) and name in self._unproven and self._lately(self._unproven[name], robot_ns):
                 stale = f"{name}'s readings carry no fresh moment of this robot's clock"
                 faults[name] = Trouble(stale, "check that it hears base")
         return faults

@@ -63,5 +63,5 @@ class Limits:
         """Up to `allowed` m/s; what the robot cannot do anyway is free."""
         if allowed >= self.most:
             return DirectionLimit(allowed=self.most, clearance="free", sensor="")
-        freedom: Clearance = "creep" if allowed <= self.config.creep_linear else "slow"
-        return DirectionLimit(allowed=allowed, clearance=freedom, sensor=sensor, reason=reason)
+        clearance: Clearance = "creep" if allowed <= self.config.creep_linear else "slow"
+        return DirectionLimit(allowed=allowed, clearance=clearance, sensor=sensor, reason=reason)

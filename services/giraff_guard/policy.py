@@ -33,7 +33,7 @@ _PLACES: Final[dict[type[Sample], str]] = {Wheels: "wheels", Attitude: "attitude
 
 
 class GuardPolicy:
-    """The third of the four safety layers: identity, authority, freshness, obstacles and blind directions.
+    """The third of the four safety layers: identity, lease, freshness, obstacles and blind directions.
 
     It must run on base's host: `robot_ns` is always this process's own reading of the clock that base makes its ticks
     of. What is older than its budget is refused here and by base; slowing down what is late is base's alone.
@@ -97,8 +97,8 @@ class GuardPolicy:
         `state` and `lease` describe this decision. They are called only when somebody must be told.
         """
         now = self._identity.now(robot_ns)
-        authority = self._lease_holder
-        authority.review(now)
+        lease = self._lease_holder
+        lease.review(now)
         before, self.fault = self.fault, self.lost_parameters or self._identity.fault(robot_ns)
         self._replacements += bool(self.fault) and not before
         self.flood = self._floods.judge(robot_ns)
@@ -106,18 +106,18 @@ class GuardPolicy:
         asked, refusal = self._asked(now)
         wish = (asked.linear_x, asked.angular_z) if asked is not None else (0.0, 0.0)
         limited = self._obstacles.limit(*wish, now)
-        newest, tick = authority.command, self._identity.tick
+        newest, tick = lease.command, self._identity.tick
         self._decided_ns, self._reason = robot_ns, refusal or limited.reason
         return GuardedCommand(
             linear_x=limited.linear_x,
             angular_z=limited.angular_z,
             guard_tick=tick,
-            operator=authority.holder,
-            lease_counter=authority.counter,
+            operator=lease.holder,
+            lease_counter=lease.counter,
             operator_tick=newest.tick if newest is not None else None,
             range_tick=limited.range_tick,
             source="fault" if self.fault or newest is None else newest.source,
-            faults=authority.faults + self._replacements,
+            faults=lease.faults + self._replacements,
             hand_neutral=asked is not None and asked.neutral,
             reason=self._reason,
             free_side="none" if self.fault else self._obstacles.free_side(now),
@@ -141,12 +141,12 @@ class GuardPolicy:
 
     def lease(self) -> Lease:
         """Return whom the guard obeys, as of the newest decision."""
-        authority = self._lease_holder
-        who = authority.reason(self._identity.now(self._decided_ns))
+        lease = self._lease_holder
+        who = lease.reason(self._identity.now(self._decided_ns))
         return Lease(
-            holder=authority.holder,
-            operator=authority.operator,
-            counter=authority.counter,
+            holder=lease.holder,
+            operator=lease.operator,
+            counter=lease.counter,
             reason=who,
             unranked=self.unranked,
         )

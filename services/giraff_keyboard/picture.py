@@ -92,7 +92,7 @@ class DrivePicture:
         few = replace(snapshot, ranges=dict(islice(snapshot.ranges.items(), RANGE_SENSORS)))
         return Group(
             self._header(),
-            _labelled("ROBOT", *self.standing(), rows=1),
+            _labelled("ROBOT", *self.status(), rows=1),
             _labelled("WHY", *self.reason()),
             _labelled("STOP", *self.stopping()),
             *self._keys(),  # a terminal that is too low lacks what is at the bottom
@@ -106,7 +106,7 @@ class DrivePicture:
             ),
         )
 
-    def standing(self) -> tuple[str, str]:
+    def status(self) -> tuple[str, str]:
         """Whose the robot is, whether it is armed, and what to do for it; and the style."""
         base = self.snapshot.base
         if self.is_lost or base is None or not base.fresh:

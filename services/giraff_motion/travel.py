@@ -30,7 +30,7 @@ class Travel:
         self._systematic = SystematicError(robot.calibration, robot.kinematics)
 
     def add(self, odometry: Odometry) -> None:
-        """Go on to a later sample of the same origin."""
+        """Go on to a later sample of the same segment."""
         last = self.pose
         turn = math.remainder(odometry.yaw - last.yaw, math.tau)
         self.pose = Pose(odometry.x, odometry.y, last.yaw + turn)

@@ -93,7 +93,7 @@ class Record:
             if len(self._told) % _FORGET_EVERY == 0:
                 del self._told[: bisect_left(self._told, now_us - WINDOW_US, key=_told_at)]
 
-    def verdict(self, since_us: int, until_us: int) -> MotorWindow:
+    def window(self, since_us: int, until_us: int) -> MotorWindow:
         """What happened after `since_us` and not after `until_us`."""
         first_ms, last_ms = since_us // 1000 + 1, until_us // 1000  # ends of the window's milliseconds
         runs = self._drives[

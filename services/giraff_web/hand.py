@@ -61,7 +61,7 @@ class PageHand:
         if wish.n <= self._n:
             return  # said before: a recorded one comes again
         self._n = wish.n
-        self.check_silence(now)  # it may be this host that stood still
+        self.end_if_silent(now)  # it may be this host that stood still
         tick = time_of(wish.tick)
         if newest is None or age(tick, newest) > WISH_LASTS or self._is_behind(tick):
             self.lose(_TOO_OLD)
@@ -100,7 +100,7 @@ class PageHand:
         """Whether its page, which holds nothing, says nothing either: it is hidden, or put away."""
         return now - self._heard > OUT_OF_SIGHT
 
-    def check_silence(self, now: float) -> None:
+    def end_if_silent(self, now: float) -> None:
         """Find out whether it has gone silent."""
         if now - self._heard > SILENCE:
             self.lose(_SILENT)

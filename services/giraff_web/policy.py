@@ -96,7 +96,7 @@ class WebPolicy(Hand):
     def poll(self, now: float) -> Wish | Fault:
         """What the newest hand asks, with its own tick however often it is repeated."""
         for page in self._pages.values():
-            page.hand.check_silence(now)
+            page.hand.end_if_silent(now)
         driving = self._pages.get(self.driver.page)
         holds = self.operator.holds
         if driving is None or not (holds or driving.hand.holds):

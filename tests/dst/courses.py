@@ -148,8 +148,8 @@ def flooding(run: SimulatedRun, chance: Random) -> Course:
 def typing_a_stop(run: SimulatedRun, chance: Random) -> Course:
     """Let somebody press the space bar of a keyboard, with whatever other keys."""
     begin = run.loop.agenda.now_us * 1e-6
-    typists = (Fingers(chance, begin, begin + 3.0) for _ in range(100))
-    fingers = next(each for each in typists if each.stops)
+    users = (Fingers(chance, begin, begin + 3.0) for _ in range(100))
+    fingers = next(each for each in users if each.stops)
     run.loop.launch("keyboard", lambda process: keyboard_user(process, fingers), run.loop.hosts["operator"])
     yield "somebody types, the space bar among others"
 
@@ -178,7 +178,7 @@ def watch(verdicts: list[MotorWindow]) -> Begin:
         del chance
         since_us = run.loop.agenda.now_us
         yield "the motors are watched"
-        verdicts.append(run.loop.simulation.record.verdict(since_us, run.loop.agenda.now_us))
+        verdicts.append(run.loop.simulation.record.window(since_us, run.loop.agenda.now_us))
 
     return course
 

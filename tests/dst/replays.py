@@ -36,17 +36,17 @@ def say_a_stream_again(operator: float, robot: float, late: Sequence[float]) -> 
     """So many s after it was said; the robot is armed, the lease held, the hand level: it is all that could move it."""
     verdicts: list[MotorWindow] = []
     again = partial(replay, since=SET_OFF, until=_SAID)
-    befalls = [at(0.1, wall_clocks(operator, robot))]
+    faults = [at(0.1, wall_clocks(operator, robot))]
     for each in late:
         moment = _SAID + each
-        befalls += [
+        faults += [
             at(moment, again(DriveCommand)),
             at(moment + 0.1, again(GuardedCommand)),
             at(moment + 0.2, again(DriveCommand, Lease, Tick, Range, Wheels, GuardedCommand)),
             at(moment, watch(verdicts), lasts=0.7),
         ]
     nudges = [change for moment in (15.0, 27.0, 43.0, 61.0) for change in ((moment, FORWARD), (moment + 0.4, LEVEL))]
-    outcome = stage(*befalls, hand=driving((_SAID - 0.2, LEVEL), *nudges), seconds=_SAID + late[-1] + 1.0)
+    outcome = stage(*faults, hand=driving((_SAID - 0.2, LEVEL), *nudges), seconds=_SAID + late[-1] + 1.0)
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0] * len(late)
     assert outcome.counts["armed"] == 1, "a replay disarmed the robot, so the next ones proved nothing"

@@ -43,7 +43,7 @@ def at(moment: float, begin: Begin, lasts: float = 0.0) -> ScheduledFault:
 
 
 def stage(
-    *befalls: ScheduledFault,
+    *faults: ScheduledFault,
     hand: Hand | None = None,
     seconds: float = 6.0,
     services: Services | None = None,
@@ -55,7 +55,7 @@ def stage(
     until: str = "",
 ) -> Outcome:
     """`presses`: when the joystick's button is pressed and let go, s. `until`: rules; it ends once all are violated."""
-    scenario = Scenario(seed, room or hall(), hand or driving(), seconds, befalls, presses=presses)
+    scenario = Scenario(seed, room or hall(), hand or driving(), seconds, faults, presses=presses)
     return play(scenario, settings, services, sim=sim, until_rules=until)
 
 

@@ -20,11 +20,11 @@ FAULT = 2.4  # s; the robot drives since 1.5
 WATCHED = 2.0  # s; what arms by itself drives 1.7 s after each of these faults
 
 
-def moves_nothing(befall: Begin, lasts: float, bound: float = 0.35, watched: float = WATCHED) -> Outcome:
-    """That `befall` stops the robot within `bound`, s, and that nothing moves from then on."""
+def moves_nothing(fault: Begin, lasts: float, bound: float = 0.35, watched: float = WATCHED) -> Outcome:
+    """That `fault` stops the robot within `bound`, s, and that nothing moves from then on."""
     verdicts: list[MotorWindow] = []
     outcome = stage(
-        at(FAULT, befall, lasts),
+        at(FAULT, fault, lasts),
         at(FAULT + bound, watch(verdicts), watched),
         seconds=FAULT + bound + watched + 0.1,
     )

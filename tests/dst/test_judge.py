@@ -24,7 +24,7 @@ from giraff_sim.dst.judging.clearance import ClearanceCheck
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
 from giraff_sim.dst.simulated_run import SimulatedRun
 from giraff_sim.truth import EXACT
-from giraff_sim.world.body import DriveDirection
+from giraff_sim.world.body import BoundedMotion
 from giraff_sim.world.hand import LEVEL
 from tests.dst import sabotage
 from tests.dst.courses import (
@@ -118,35 +118,35 @@ def test_motion_after_the_space_bar_is_seen() -> None:
 
 def test_a_latch_that_an_old_reset_clears_is_seen() -> None:
     hand = driving((2.2, LEVEL), (3.6, FORWARD))
-    befalls = at(2.0, stop, 0.2), at(2.6, engage), at(3.0, replay(EStopReset))
-    outcome = stage(*befalls, hand=hand, seconds=4.5, services=broken(base=sabotage.ForgivingBase))
+    faults = at(2.0, stop, 0.2), at(2.6, engage), at(3.0, replay(EStopReset))
+    outcome = stage(*faults, hand=hand, seconds=4.5, services=broken(base=sabotage.ForgivingBase))
     assert "d" in rules(outcome)
-    sound = stage(*befalls, hand=hand, seconds=4.5)
+    sound = stage(*faults, hand=hand, seconds=4.5)
     assert rules(sound) == set()
     assert sound.path < outcome.path
 
 
 def test_a_reset_from_before_the_same_engaged_anew_is_seen() -> None:
-    befalls = at(2.0, engage), at(2.6, engage_anew)
+    faults = at(2.0, engage), at(2.6, engage_anew)
     hand = driving((2.1, LEVEL), (3.3, FORWARD))
-    outcome = stage(*befalls, hand=hand, seconds=4.3, services=broken(base=sabotage.ForgivingBase))
+    outcome = stage(*faults, hand=hand, seconds=4.3, services=broken(base=sabotage.ForgivingBase))
     assert rules(outcome) == {"d"}
-    assert rules(stage(*befalls, hand=hand, seconds=4.3)) == set()
+    assert rules(stage(*faults, hand=hand, seconds=4.3)) == set()
 
 
 def test_a_base_that_forgets_the_stop_at_its_restart_is_seen() -> None:
     hand = driving((2.6, LEVEL), (4.0, FORWARD))
-    befalls = at(2.0, engage), at(2.5, kill("base"), 0.3)
-    outcome = stage(*befalls, hand=hand, seconds=5.0, services=broken(base=sabotage.AmnesiacBase))
+    faults = at(2.0, engage), at(2.5, kill("base"), 0.3)
+    outcome = stage(*faults, hand=hand, seconds=5.0, services=broken(base=sabotage.AmnesiacBase))
     assert rules(outcome) == {"d"}
     assert "an emergency stop was lost with its base" not in outcome.counts
-    assert rules(stage(*befalls, hand=hand, seconds=5.0)) == set()
+    assert rules(stage(*faults, hand=hand, seconds=5.0)) == set()
 
 
 def test_a_stop_that_was_not_on_disk_when_base_ended_is_lost_with_it() -> None:
     hand = driving((2.6, LEVEL), (4.0, FORWARD))
-    befalls = at(1.9, hang_disk, 0.5), at(2.0, engage), at(2.2, kill("base"), 0.5)
-    outcome = stage(*befalls, hand=hand, seconds=5.0)
+    faults = at(1.9, hang_disk, 0.5), at(2.0, engage), at(2.2, kill("base"), 0.5)
+    outcome = stage(*faults, hand=hand, seconds=5.0)
     assert outcome.counts["an emergency stop was lost with its base"] == 1
     assert rules(outcome) == set()
 
@@ -290,7 +290,7 @@ def test_a_turn_in_place_is_no_travel(drives: tuple[float, float], goes: list[st
     body = WheelsBody(SETTINGS.robot, BY_SPEED, SimConfig(), hall(), EXACT)
     body.drives, body.plant.speed = drives, sum(drives) * 0.01
     judge = judge_of(body, SETTINGS.robot, SETTINGS.base, 0)
-    assert [way for way in get_args(DriveDirection) if judge.goes(way)] == goes
+    assert [way for way in get_args(BoundedMotion) if judge.goes(way)] == goes
 
 
 def test_a_robot_without_encoders_has_none_cut() -> None:

@@ -43,10 +43,10 @@ WATCHED: Final = 0.3
 
 
 class Row(NamedTuple):
-    """What befalls, each thing so many s after the first one, and within what time all is still."""
+    """What faults, each thing so many s after the first one, and within what time all is still."""
 
     bound: float
-    befalls: tuple[Begin, ...]
+    faults: tuple[Begin, ...]
     tilt: Vector = FORWARD
     apart: float = 0.0
     reason: str = ""
@@ -115,7 +115,7 @@ def driven_ms(
     after: list[MotorWindow] = []
     outcome = stage(
         at(FAULT - 0.1, watch(before), 0.1),
-        *(at(FAULT + row.apart * place, befall, row.bound + WATCHED) for place, befall in enumerate(row.befalls)),
+        *(at(FAULT + row.apart * place, fault, row.bound + WATCHED) for place, fault in enumerate(row.faults)),
         at(FAULT + row.bound, watch(after), WATCHED),
         *others,
         settings=settings,

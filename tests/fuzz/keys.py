@@ -160,7 +160,7 @@ def throw(
         loop.step()
         turn()
         if counted.payloads % 1000 < _AT_ONCE or counted.payloads >= wanted:
-            counted.driven_ms += loop.simulation.record.verdict(since_us, loop.simulation.now_us).driven_ms
+            counted.driven_ms += loop.simulation.record.window(since_us, loop.simulation.now_us).driven_ms
             since_us = loop.simulation.now_us
         if growth is not None:
             growth.look(counted.payloads / wanted)

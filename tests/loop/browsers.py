@@ -269,11 +269,11 @@ class Room(SeenRobot):
     def driven_ms(self, since: float, until: float | None = None) -> int:
         """For how long a motor had any duty between two moments, s."""
         record = self.loop.simulation.record
-        return record.verdict(round(since * 1e6), round((self.now if until is None else until) * 1e6)).driven_ms
+        return record.window(round(since * 1e6), round((self.now if until is None else until) * 1e6)).driven_ms
 
     def last_driven(self, since: float) -> float:
         """s from then to the end of the last millisecond with any duty."""
-        last_us = self.loop.simulation.record.verdict(round(since * 1e6), round(self.now * 1e6)).last_driven_us
+        last_us = self.loop.simulation.record.window(round(since * 1e6), round(self.now * 1e6)).last_driven_us
         return 0.0 if last_us is None else last_us * 1e-6 - since
 
 

@@ -116,7 +116,7 @@ class Scene(SeenRobot):
     def driven_ms(self, since: float, until: float | None = None) -> int:
         """For how long a motor had any duty between two moments, s."""
         record = self.loop.simulation.record
-        return record.verdict(round(since * 1e6), round((self.now if until is None else until) * 1e6)).driven_ms
+        return record.window(round(since * 1e6), round((self.now if until is None else until) * 1e6)).driven_ms
 
     def until_it_drives(self, within: float) -> float:
         """The moment, s, at which a motor gets its first duty."""

@@ -25,6 +25,6 @@ def test_its_run_on_alone_keeps_it_off_a_wall() -> None:
 def test_its_black_box_has_the_reports_of_its_board() -> None:
     with closed_loop(proving_room(), BALANCER, sim=SIM, step_us=1000) as loop:
         loop.run(0.5)
-        record = loop.simulation.record.verdict(0, loop.simulation.now_us)
+        record = loop.simulation.record.window(0, loop.simulation.now_us)
     assert 45 <= record.telemetry <= 50
     assert record.accepted > 20

@@ -52,7 +52,7 @@ def test_a_wall_that_no_sonar_hears_pushes_the_front_bumper() -> None:
         assert abs(pushed.tick.robot_ns - touched_ns) < 40_000_000
         pushed_us = loop.simulation.now_us
         loop.run(0.6)
-        last = loop.simulation.record.verdict(pushed_us, loop.simulation.now_us).last_driven_us
+        last = loop.simulation.record.window(pushed_us, loop.simulation.now_us).last_driven_us
         assert last is None or last - pushed_us < 60_000, "it still pushes against the wall"
         assert "front is pushed" in str(loop.newest["guard"].forward.reason)
         loop.simulation.reset(BoardKind.RANGER, ResetCause.WATCHDOG)
@@ -74,7 +74,7 @@ def test_a_cut_wire_stops_its_way_and_no_other() -> None:
         loop.simulation.world.bumpers[0].is_cut = True
         cut_us = loop.simulation.now_us
         loop.run(0.6)
-        last = loop.simulation.record.verdict(cut_us, loop.simulation.now_us).last_driven_us
+        last = loop.simulation.record.window(cut_us, loop.simulation.now_us).last_driven_us
         assert last is not None
         assert (last - cut_us) * 1e-6 <= 0.45
         hold(loop, x=-FULL_TILT)

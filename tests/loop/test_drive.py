@@ -70,7 +70,7 @@ def test_nothing_moves_before_a_neutral_hand() -> None:
     with closed_loop(proving_room()) as loop:
         hold(loop, x=FULL_TILT)
         loop.run(3.0)
-        assert loop.simulation.record.verdict(0, loop.simulation.now_us).driven_ms == 0
+        assert loop.simulation.record.window(0, loop.simulation.now_us).driven_ms == 0
         assert "hold the hand level" in str(loop.newest["base"].reason)
         arm(loop)
         hold(loop, x=FULL_TILT)

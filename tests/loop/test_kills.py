@@ -28,7 +28,7 @@ def zero_after_kill(service: str, delay_ms: int) -> float:
         loop.kill(service)
         killed_us = loop.simulation.now_us
         loop.run(1.0)
-        last = loop.simulation.record.verdict(killed_us, loop.simulation.now_us).last_driven_us
+        last = loop.simulation.record.window(killed_us, loop.simulation.now_us).last_driven_us
         assert last is not None, "the robot did not drive when the service ended"
         return (last - killed_us) * 1e-6
 
@@ -49,7 +49,7 @@ def test_a_restarted_service_moves_nothing_before_a_neutral_hand(service: str) -
         loop.start(service)
         restarted_us = loop.simulation.now_us
         loop.run(2.0)
-        assert loop.simulation.record.verdict(restarted_us, loop.simulation.now_us).driven_ms == 0
+        assert loop.simulation.record.window(restarted_us, loop.simulation.now_us).driven_ms == 0
         assert loop.newest["base"].reason
         arm(loop)
         hold(loop, x=FULL_TILT)
@@ -78,5 +78,5 @@ def test_a_saved_limit_whose_name_nobody_knows_keeps_the_robot_from_moving(servi
         loop.run(1.6)
         hold(loop, x=FULL_TILT)
         loop.run(0.3)
-        assert loop.simulation.record.verdict(0, loop.simulation.now_us).driven_ms == 0
+        assert loop.simulation.record.window(0, loop.simulation.now_us).driven_ms == 0
         assert "its_former_name" in str(loop.newest["base"].reason)

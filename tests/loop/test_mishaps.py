@@ -73,7 +73,7 @@ def require_stop(mishap: str, delay_ms: int) -> None:
         happens(loop)
         began_us = loop.simulation.now_us
         loop.run(bound + 0.5)
-        last = loop.simulation.record.verdict(began_us, loop.simulation.now_us).last_driven_us
+        last = loop.simulation.record.window(began_us, loop.simulation.now_us).last_driven_us
         assert last is not None
         assert not loop.newest["base"].armed
         stops = (last - began_us) * 1e-6
@@ -87,7 +87,7 @@ def require_stop(mishap: str, delay_ms: int) -> None:
         for tilt, seconds in ((FULL_TILT, 2.0), (0.0, 0.1), (FULL_TILT, 1.0)):
             hold(loop, x=tilt)
             loop.run(seconds)
-        assert loop.simulation.record.verdict(again_us, loop.simulation.now_us).driven_ms == 0
+        assert loop.simulation.record.window(again_us, loop.simulation.now_us).driven_ms == 0
         arm(loop)
         hold(loop, x=FULL_TILT)
         loop.run(0.5)
@@ -124,13 +124,13 @@ def test_the_clutch_stops_and_its_attitude_is_the_new_level() -> None:
         loop.simulation.world.button = True
         pressed_us = loop.simulation.now_us
         loop.run(1.0)
-        last = loop.simulation.record.verdict(pressed_us, loop.simulation.now_us).last_driven_us
+        last = loop.simulation.record.window(pressed_us, loop.simulation.now_us).last_driven_us
         assert last is not None
         assert (last - pressed_us) * 1e-6 <= CHAIN
         loop.simulation.world.button = False
         released_us = loop.simulation.now_us
         loop.run(1.0)
-        assert loop.simulation.record.verdict(released_us, loop.simulation.now_us).driven_ms == 0
+        assert loop.simulation.record.window(released_us, loop.simulation.now_us).driven_ms == 0
         assert loop.newest["base"].armed
         hold(loop)  # flat is 38 degrees backward of it
         loop.run(0.5)

@@ -65,7 +65,7 @@ def test_one_robot_too_many_and_too_much_computing_fail_plainly(tmp_path: Path) 
     (tmp_path / "conftest.py").write_text('pytest_plugins = ["tests.support.budget"]\n')
     (tmp_path / "test_robots.py").write_text(
         "import subprocess, sys\n"
-        "def test_one(): subprocess.run([sys.executable, '-c', '', 'giraff_sim'])\n"
+        "def test_one(): subprocess.run([sys.executable, '-c', 'sum(range(2_000_000))', 'giraff_sim'])\n"
         "def test_another(): subprocess.run([sys.executable, '-c', '', 'giraff_sim'])\n"
     )
     budget = tmp_path / "budget.toml"

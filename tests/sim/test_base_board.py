@@ -206,7 +206,7 @@ def test_20_kilobytes_of_queued_frames_drive_for_150_ms_of_age_and_no_longer(bas
     base.send_bytes(frames)
     base.run(2.2)
     assert base.queued == 0
-    verdict = base.simulation.record.verdict(made_at, base.simulation.now_us)
+    verdict = base.simulation.record.window(made_at, base.simulation.now_us)
     assert verdict.peak_counts == 70
     assert verdict.last_driven_us is not None
     # Frames are younger than 150 ms at best for so long, and the last of them for the board's time-out more.
@@ -228,7 +228,7 @@ def test_frames_from_a_queue_that_was_held_back_never_drive(base: BaseLine) -> N
     for frame in held:
         base.send(msgspec.structs.replace(frame, seq=frame.seq + 2000))
     base.run(2.5)
-    verdict = base.simulation.record.verdict(began, base.simulation.now_us)
+    verdict = base.simulation.record.window(began, base.simulation.now_us)
     assert verdict.peak_counts == 0
     assert verdict.accepted <= 1  # the last zero, told of late
     assert verdict.refused >= len(held)

@@ -35,7 +35,7 @@ def latch(line: BaseLine) -> Latch:
 
 def driven_ms_after(line: BaseLine, fault_us: int) -> float:
     """How long after a fault a motor still got something, by the black box."""
-    last = line.simulation.record.verdict(fault_us, line.simulation.now_us).last_driven_us
+    last = line.simulation.record.window(fault_us, line.simulation.now_us).last_driven_us
     return 0.0 if last is None else (last - fault_us) / MS
 
 
@@ -201,7 +201,7 @@ def test_the_latch_outlasts_a_watchdog_reset_and_a_power_cycle(implementation: I
         base.start()
         base.drive(40, 40, 0.3)
         assert latch(base) is Latch.RIGHT_STUCK
-        assert running.record.verdict(0, running.now_us).peak_counts == 0
+        assert running.record.window(0, running.now_us).peak_counts == 0
         base.estop(engage=False)
         base.drive(0, 0, 0.1)
         base.drive(40, 40, 0.1)

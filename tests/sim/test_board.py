@@ -159,7 +159,7 @@ def test_a_program_that_hangs_with_its_motors_running_is_stopped_by_the_watchdog
     before = base.wheels
     hangs_us = base.simulation.now_us
     base.drive(40, -40, 1.0)
-    verdict = base.simulation.record.verdict(hangs_us, base.simulation.now_us)
+    verdict = base.simulation.record.window(hangs_us, base.simulation.now_us)
     assert verdict.last_driven_us is not None
     assert 200_000 < verdict.last_driven_us - hangs_us < 350_000
     assert board.model.resets == 1

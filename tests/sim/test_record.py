@@ -37,15 +37,15 @@ def test_it_tells_when_the_motors_were_last_driven() -> None:
     record = Record(WheelsFrame, BASE_BOARD.frames)
     for millisecond in range(1, 101):
         record.note_drive(millisecond * MS, 35 if 20 <= millisecond <= 40 else 70 if millisecond == 60 else 0)
-    whole = record.verdict(0, 100 * MS)
+    whole = record.window(0, 100 * MS)
     assert whole.first_driven_us == 20 * MS
     assert whole.last_driven_us == 60 * MS
     assert whole.driven_ms == 22
     assert whole.peak_counts == 70
-    middle = record.verdict(29 * MS, 35 * MS)
+    middle = record.window(29 * MS, 35 * MS)
     assert (middle.first_driven_us, middle.last_driven_us, middle.driven_ms) == (30 * MS, 35 * MS, 6)
     assert middle.peak_counts == 35
-    quiet = record.verdict(60 * MS, 100 * MS)
+    quiet = record.window(60 * MS, 100 * MS)
     assert (quiet.first_driven_us, quiet.last_driven_us, quiet.driven_ms, quiet.peak_counts) == (
         None,
         None,
@@ -58,15 +58,15 @@ def test_it_counts_what_the_board_says_it_accepted_and_refused() -> None:
     record = Record(WheelsFrame, BASE_BOARD.frames)
     for seq, (accepted, refused) in enumerate([(65534, 5), (65535, 5), (65535, 6), (1, 6), (1, 6), (2, 9)]):
         record.note_sent(seq * 10 * MS, telemetry(seq, accepted, refused))
-    verdict = record.verdict(0, 50 * MS)
+    verdict = record.window(0, 50 * MS)
     assert verdict.telemetry == 5
     assert verdict.accepted == 4  # across the counter's wrap
     assert verdict.refused == 4
     assert verdict.first_accepted_us == 10 * MS
     assert verdict.last_accepted_us == 50 * MS
     assert verdict.longest_accept_gap_us == 20 * MS
-    assert record.verdict(0, 30 * MS).longest_accept_gap_us == 20 * MS
-    assert record.verdict(35 * MS, 45 * MS).last_accepted_us is None
+    assert record.window(0, 30 * MS).longest_accept_gap_us == 20 * MS
+    assert record.window(35 * MS, 45 * MS).last_accepted_us is None
 
 
 def test_frames_come_in_pieces_and_damaged() -> None:
@@ -74,15 +74,15 @@ def test_frames_come_in_pieces_and_damaged() -> None:
     data = telemetry(1, 0) + b"\x05noise\x00" + telemetry(2, 3)
     for at, byte in enumerate(data):
         record.note_sent(at, bytes((byte,)))
-    assert record.verdict(0, len(data)).telemetry == 2
-    assert record.verdict(0, len(data)).accepted == 3
+    assert record.window(0, len(data)).telemetry == 2
+    assert record.window(0, len(data)).accepted == 3
 
 
 def test_a_reboot_starts_the_counters_anew() -> None:
     record = Record(WheelsFrame, BASE_BOARD.frames)
     record.note_sent(10 * MS, telemetry(1, 100, boot_id=1))
     record.note_sent(20 * MS, telemetry(0, 2, boot_id=2))
-    assert record.verdict(15 * MS, 20 * MS).accepted == 2
+    assert record.window(15 * MS, 20 * MS).accepted == 2
 
 
 def test_it_finds_driving_that_nobody_asked_for() -> None:
@@ -92,9 +92,9 @@ def test_it_finds_driving_that_nobody_asked_for() -> None:
         record.note_drive(now_us, 35 if 100 <= millisecond < 700 else 0)
         if millisecond % 10 == 0 and millisecond <= 400:
             record.note_sent(now_us, telemetry(millisecond, millisecond // 10))
-    assert record.verdict(0, 1000 * MS).longest_driven_unasked_us == 299 * MS
-    assert record.verdict(0, 400 * MS).longest_driven_unasked_us == 10 * MS
-    assert record.verdict(700 * MS, 1000 * MS).longest_driven_unasked_us == 0
+    assert record.window(0, 1000 * MS).longest_driven_unasked_us == 299 * MS
+    assert record.window(0, 400 * MS).longest_driven_unasked_us == 10 * MS
+    assert record.window(700 * MS, 1000 * MS).longest_driven_unasked_us == 0
 
 
 def test_it_keeps_its_window_and_forgets_what_is_older() -> None:
@@ -102,7 +102,7 @@ def test_it_keeps_its_window_and_forgets_what_is_older() -> None:
     for second in range(5000):
         record.note_drive(second * 1000 * MS, second % 2)
         record.note_sent(second * 1000 * MS, telemetry(second, second))
-    newest = record.verdict(4999 * 1000 * MS - WINDOW_US, 5000 * 1000 * MS)
+    newest = record.window(4999 * 1000 * MS - WINDOW_US, 5000 * 1000 * MS)
     assert newest.telemetry == 100
     assert newest.driven_ms == 50
     assert len(record._told) < 100 + 1024 + 2

@@ -67,7 +67,7 @@ def test_driving_goes_on_across_the_wrap_of_the_echoed_time(base: BaseLine) -> N
     assert base.wheels.board_ms < 10_000
     assert base.wheels.refused == 0
     assert base.wheels.drive_state == DriveState.ACTIVE
-    verdict = base.simulation.record.verdict(500_000, base.simulation.now_us)
+    verdict = base.simulation.record.window(500_000, base.simulation.now_us)
     assert verdict.driven_ms == (base.simulation.now_us - 500_000) // 1000
 
 
@@ -79,7 +79,7 @@ def test_a_time_out_and_a_stale_frame_across_the_wrap(base: BaseLine) -> None:
     base.drive(50, 50, 0.02)
     asked_us = base.simulation.now_us
     base.run(0.4)
-    verdict = base.simulation.record.verdict(asked_us - 20_000, base.simulation.now_us)
+    verdict = base.simulation.record.window(asked_us - 20_000, base.simulation.now_us)
     assert verdict.last_driven_us == pytest.approx(asked_us - 20_000 + 300_000, abs=10_000)
     assert base.wheels.drive_state == DriveState.COMMAND_TIMEOUT
     base.drive(0, 0, 0.1)

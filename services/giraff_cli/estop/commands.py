@@ -100,11 +100,11 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0, 
 
     Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
     """
-    from giraff_cli.estop import client as run  # noqa: PLC0415
+    from giraff_cli.estop import client  # noqa: PLC0415
     from giraff_cli.network.user import user_at_host  # noqa: PLC0415
 
     def act(connection: RobotConnection) -> Result:
-        return run.reset(connection, user_at_host(), timeout)
+        return client.reset(connection, user_at_host(), timeout)
 
     _report(robot, connect, timeout, act, moves=True, as_json=as_json)
 
@@ -115,9 +115,9 @@ def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0,
 
     Exit code: 0 released; 1 engaged; 2 unknown.
     """
-    from giraff_cli.estop import client as run  # noqa: PLC0415
+    from giraff_cli.estop import client  # noqa: PLC0415
 
-    _report(robot, connect, timeout, lambda connection: run.status(connection, timeout), as_json=as_json)
+    _report(robot, connect, timeout, lambda connection: client.status(connection, timeout), as_json=as_json)
 
 
 def _report(

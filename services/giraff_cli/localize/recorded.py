@@ -35,10 +35,10 @@ class TrueWay:
 
     def on_odometry(self, odometry: Odometry) -> None:
         """Each in turn."""
-        origin = odometry.segment
-        if odometry.jumps or (self._segment is not None and origin != self._segment):
+        segment = odometry.segment
+        if odometry.jumps or (self._segment is not None and segment != self._segment):
             self.doubt = self.doubt or "odometry began anew on the way, or its pose was set"
-        self._segment = origin
+        self._segment = segment
 
     def on_map(self, pose: TruePose) -> Pose | None:
         """Where that is; None: it cannot be told."""
@@ -70,7 +70,7 @@ class RecordedDrive:
         self._place = place
         self._first_ns: int | None = None
         self._path: float | None = None
-        self._origin = ("", 0)
+        self._segment = ("", 0)
         self._next_ns: int | None = None
         self._work()  # the map is read
 
@@ -101,9 +101,9 @@ class RecordedDrive:
     def _on_odometry(self, odometry: Odometry) -> None:
         self.truth.on_odometry(odometry)
         self.policy.on_odometry(odometry)
-        if odometry.segment == self._origin and self._path is not None:
+        if odometry.segment == self._segment and self._path is not None:
             self.way += max(0.0, odometry.path - self._path)
-        self._path, self._origin = odometry.path, odometry.segment
+        self._path, self._segment = odometry.path, odometry.segment
         if self._place is not None:
             answer = self.policy.on_set_pose(told_pose(self._place))
             self.refused = "" if answer.done else str(answer.reason)

@@ -35,9 +35,9 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0, 
 
     Exit code: 0 done; 1 refused, with the reason; 2 no robot, or nobody has answered.
     """
-    from giraff_cli.odom import client as run  # noqa: PLC0415
+    from giraff_cli.odom import client  # noqa: PLC0415
 
-    _report(robot, connect, timeout, lambda connection: run.reset(connection, timeout), as_json=as_json)
+    _report(robot, connect, timeout, lambda connection: client.reset(connection, timeout), as_json=as_json)
 
 
 @odom.command("set", context_settings=NEGATIVE)
@@ -61,7 +61,7 @@ def set_pose(
     Exit code: 0 done; 1 refused, with the reason; 2 no robot, or nobody has answered.
     """
     from giraff_cli.network.command import print_error  # noqa: PLC0415
-    from giraff_cli.odom import client as run  # noqa: PLC0415
+    from giraff_cli.odom import client  # noqa: PLC0415
 
     try:
         place = _pose(pose)
@@ -71,7 +71,7 @@ def set_pose(
         robot,
         connect,
         timeout,
-        lambda connection: run.set_pose(connection, place, position_sd, yaw_sd, timeout),
+        lambda connection: client.set_pose(connection, place, position_sd, yaw_sd, timeout),
         as_json=as_json,
     )
 

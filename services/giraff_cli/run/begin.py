@@ -33,7 +33,7 @@ from giraff_schemas.text import printable_lines
 _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms
 
 _REFUSED: Final = 2
-_WAY_OUT: Final = "; end it, or give this one another name with GIRAFF_ROBOT_NAME"
+_REMEDY: Final = "; end it, or give this one another name with GIRAFF_ROBOT_NAME"
 
 
 def drive(plan: Plan) -> int:
@@ -45,11 +45,11 @@ def drive(plan: Plan) -> int:
     with StopSignal() as stopping:
         held = None if network.local else claim(robot)
         if held is None and not network.local:
-            return _refuse(f"a run of {robot} is going on on this host{_WAY_OUT}")
+            return _refuse(f"a run of {robot} is going on on this host{_REMEDY}")
         try:
             token, others = (None, []) if network.local else _look_around(network, robot)
             if token is not None:
-                return _refuse(f"a robot called {robot} is on the network already ({token}){_WAY_OUT}")
+                return _refuse(f"a robot called {robot} is on the network already ({token}){_REMEDY}")
             # Its own processes speak to it at sockets, whatever becomes of this host's addresses and of its door.
             connection = RobotConnection(robot, open_session(network, robot, "inside", name=RUN.name))
         except ConfigError as error:

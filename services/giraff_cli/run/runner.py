@@ -114,7 +114,7 @@ class Run:
         hints: Sequence[str],
         look: str,
     ) -> None:
-        """`hints`: what a person can do, a line each. `update`: how to see by its camera; empty: it has none."""
+        """`hints`: what a person can do, a line each. `look`: how to see by its camera; empty: it has none."""
         self._plan = plan
         self._robot = robot
         self._connection = connection

@@ -37,9 +37,9 @@ def list_topics(
 
     Exit code: 0; 2 there is no robot to tell of.
     """
-    from giraff_cli.topic import listing as run  # noqa: PLC0415
+    from giraff_cli.topic import listing  # noqa: PLC0415
 
-    raise typer.Exit(run.list_topics(robot, connect or (), seconds, with_absent=with_absent, as_json=as_json))
+    raise typer.Exit(listing.list_topics(robot, connect or (), seconds, with_absent=with_absent, as_json=as_json))
 
 
 @topic.command()
@@ -54,9 +54,9 @@ def info(
 
     Exit code: 0; 2 nobody publishes it.
     """
-    from giraff_cli.topic import listing as run  # noqa: PLC0415
+    from giraff_cli.topic import listing  # noqa: PLC0415
 
-    raise typer.Exit(run.info(key, robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(listing.info(key, robot, connect or (), seconds, as_json=as_json))
 
 
 @topic.command()

@@ -25,5 +25,5 @@ class Segment:
         since, newest = self._since, self._newest
         if tick is None or since is None or newest is None or tick.epoch != newest.epoch:
             return False
-        # Odometry comes oftener than ticks: the tick of its first sample may be of the last of another origin, too.
+        # Odometry comes oftener than ticks: the tick of its first sample may be of the last of another segment, too.
         return tick.epoch != since.epoch or tick.robot_ns > since.robot_ns

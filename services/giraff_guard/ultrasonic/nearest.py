@@ -89,14 +89,14 @@ class Nearest:
 
     def _left(self, sensor: Sensor, ping: Ping, motion: RecentTravel) -> float:
         """m between the footprint and what a reading told, as the robot has moved since."""
-        return self.clearance(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
+        return self.gap(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
 
     def _by_ping(
         self, sensor: Sensor, ping: Ping, motion: RecentTravel, now: RobotTime, stops_within: float, *, blocked: bool
     ) -> _PingLimit:
         """Return what one reading allows. `stops_within`: m."""
         limits, config = self._limits, self._limits.config
-        room = self.clearance(sensor, ping.distance) - config.margin
+        room = self.gap(sensor, ping.distance) - config.margin
         came = ping.place.ahead(motion.place, sensor.pose.yaw)
         allowed = limits.fastest(room - came)
         if ping is sensor.newest and sensor.tick is not None:
@@ -116,7 +116,7 @@ class Nearest:
             return self._limits.allow(limit.allowed, sensor.name, Trouble(seen))
         return self._limits.block(sensor.name, Trouble(seen))
 
-    def clearance(self, sensor: Sensor, distance: float) -> float:
+    def gap(self, sensor: Sensor, distance: float) -> float:
         """m between the footprint and what `distance` told, at the least.
 
         The worst of a flat surface at up to `incidence`: the echo then comes from the cone's near edge, and the

@@ -158,7 +158,7 @@ class Sensor:
         return not any(ping.echo for ping in list(self._pings)[-2:])
 
     def silence_s(self, now: RobotTime) -> float:
-        """s since its last surest echo; infinite before the first."""
+        """s since its last confirmed echo; infinite before the first."""
         return math.inf if self.last_confirmed is None else (now.robot_ns - self.last_confirmed.robot_ns) * 1e-9
 
     def lost(self, motion: RecentTravel) -> bool:

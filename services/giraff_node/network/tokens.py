@@ -32,7 +32,7 @@ class Token(NamedTuple):
 
 
 def read_token(key: str, tell: Callable[[str], object] = consent.print_notice) -> Token | None:
-    """Return the names in a token. None: one of them cannot be part of a key; `print_notice` says so, once a key."""
+    """Return the names in a token. None: one of them cannot be part of a key; `tell` says so, once a key."""
     chunks = key.split("/")
     try:
         for chunk in chunks:

@@ -138,7 +138,7 @@ class Control:
         until_us = now_us if request.until_us is None else request.until_us
         if until_us < request.since_us:
             raise ValueError(f"the window ends at {until_us} us, before it begins at {request.since_us} us")
-        verdict = self._simulation.record.verdict(request.since_us, until_us)
+        verdict = self._simulation.record.window(request.since_us, until_us)
         return messages.Reply(ok=True, now_us=now_us, record=verdict)
 
     def _tilt(self, request: messages.Tilt) -> None:

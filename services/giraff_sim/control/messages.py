@@ -155,7 +155,7 @@ class BrakeWheel(Request, frozen=True, kw_only=True, tag="brake"):
 
 
 class Rewire(Request, frozen=True, kw_only=True, tag="rewire"):
-    """Rewire motors and encoders anew."""
+    """Rewire motors and encoders."""
 
     wiring: Annotated[int, msgspec.Meta(ge=0, le=int(~Wiring(0)))]
     """What `configure.wiring` must then be for the robot to drive well."""

@@ -29,7 +29,7 @@ from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import Simulation, simulation
 from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world.bno055 import Vector
-from giraff_sim.world.body import DriveDirection
+from giraff_sim.world.body import BoundedMotion
 from giraff_sim.world.hand import Hand
 from giraff_sim.world.room import Room
 
@@ -148,7 +148,7 @@ class SimulatedRun:
         for host in self.loop.hosts.values():
             host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
         self.loop.launch("button", self._press_button, self.loop.hosts["operator"])
-        self.loop.launch("caretaker", self._take_care, self.loop.hosts["operator"])
+        self.loop.launch("caretaker", self._work_estop, self.loop.hosts["operator"])
         self._names = 0
         self._claims: list[Any] = []  # of the fault that begins
         self._claimed: list[Any] = []
@@ -192,7 +192,7 @@ class SimulatedRun:
 
     @contextmanager
     def stops(
-        self, what: str, bound_us: int, way: DriveDirection = "any", applies: Callable[[], bool] = lambda: True
+        self, what: str, bound_us: int, way: BoundedMotion = "any", applies: Callable[[], bool] = lambda: True
     ) -> Iterator[None]:
         """Hold the robot to standing still within `bound_us`, as long as the fault lasts."""
         self.judge.stops.begin(Stop(what, self.loop.agenda.now_us, bound_us, way, applies))
@@ -234,7 +234,7 @@ class SimulatedRun:
         self.button = Button(process, self.judge)
         return self.button
 
-    def _take_care(self, process: Process) -> EStopOperator:
+    def _work_estop(self, process: Process) -> EStopOperator:
         self.estop_operator = EStopOperator(process)
         return self.estop_operator
 
@@ -243,7 +243,7 @@ class SimulatedRun:
         at_us = round(at * 1e6)
         lasts_us = round(chance.uniform(*kind.lasts) * 1e6)
         course = kind.begin(self, chance)
-        clearance = self.judge.clearance
+        clearance = self.judge.clearance_check
 
         def begin() -> None:
             claims: list[Any] = []

@@ -10,7 +10,7 @@ from giraff_schemas.wire import Frame
 from giraff_sim.board import Board
 from giraff_sim.world.room import Pose
 
-DriveDirection = Literal["any", "travel", "forward", "backward"]
+BoundedMotion = Literal["any", "travel", "forward", "backward"]
 """Motion that a fault must stop. Turning in place is no travel."""
 
 
@@ -150,6 +150,6 @@ class BodyJudge(Protocol):
         """Say what is wrong with this step, in which the body is not in its safe state; empty when nothing is."""
         ...
 
-    def goes(self, way: DriveDirection) -> bool:
+    def goes(self, way: BoundedMotion) -> bool:
         """Return whether the body is driven that way in this step, in which it is not in its safe state."""
         ...

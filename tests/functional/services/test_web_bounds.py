@@ -197,7 +197,7 @@ def test_stop_gets_through_a_crowd_that_costs_little(tmp_path: Path, sent: bytes
     crowd_of = [crowded, *(f"127.0.1.{n}" for n in range(1, addresses))]
 
     async def course(it: Desk) -> None:
-        limiter = await doorman_of(it)
+        limiter = await limiter_of(it)
         limits = Limits()
         begun = sent[:1] == b"\x16"
         kept = limits.handshakes if begun else limits.bare
@@ -296,7 +296,7 @@ def test_a_request_to_stop_is_answered_with_bases_word(tmp_path: Path) -> None:
     trying(tmp_path, course, limits=Limits()._replace(stops=Limits().stops._replace(patience=20.0)))
 
 
-async def doorman_of(it: Desk) -> ConnectionLimiter:
+async def limiter_of(it: Desk) -> ConnectionLimiter:
     await it.until(lambda: it.server._connection_limiter is not None)
     assert it.server._connection_limiter is not None
     return it.server._connection_limiter
@@ -318,7 +318,7 @@ def test_an_idle_connection_ends(tmp_path: Path) -> None:
                 assert answer.status == 202
             with socket_from(HOST) as silent:
                 silent.connect((HOST, it.server.port))
-                limiter = await doorman_of(it)
+                limiter = await limiter_of(it)
                 await it.until(lambda: len(limiter) == 0)
                 assert silent.recv(1) == b""
 
@@ -331,7 +331,7 @@ def test_what_came_and_went_leaves_nothing(tmp_path: Path) -> None:
             for _ in range(30):
                 async with page(it, session) as socket:
                     await socket.send_str(STOP)
-            limiter = await doorman_of(it)
+            limiter = await limiter_of(it)
             it.show(1000)
             assert len(it.server._box) <= 90  # nobody has taken anything yet
             await it.until(lambda: len(it.of(Closed)) == len(it.of(Opened)))

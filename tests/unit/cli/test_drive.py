@@ -97,7 +97,7 @@ def drawn(picture: DrivePicture, width: int = COLUMNS, height: int = ROWS) -> li
 def told(desk: Desk) -> dict[str, str]:
     """The three texts, by label."""
     picture = desk.picture
-    return {"ROBOT": picture.standing()[0], "WHY": picture.reason()[0], "STOP": picture.stopping()[0]}
+    return {"ROBOT": picture.status()[0], "WHY": picture.reason()[0], "STOP": picture.stopping()[0]}
 
 
 CASES: dict[str, tuple[Desk, dict[str, str]]] = {

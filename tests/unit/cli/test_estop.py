@@ -14,7 +14,7 @@ import msgspec
 import pytest
 import zenoh
 
-import giraff_cli.estop.client as run
+from giraff_cli.estop import client
 from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.estop.request import BOARD_NOTE, not_off
@@ -80,7 +80,7 @@ class Network(AskedRobot):
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
-    made.rule(monkeypatch, run)
+    made.rule(monkeypatch, client)
     monkeypatch.setattr(RobotConnection, "open_other_doors", lambda *_: None)  # test_stopping.py has two
     return made
 
@@ -107,7 +107,7 @@ def test_engaging_is_repeated_until_somebody_is_there(network: Network) -> None:
 def test_a_stop_that_nobody_confirms_is_no_stop(network: Network) -> None:
     with network.session.declare_token(alive_key("anna", "base", "1")):
         code, text, *_ = engage(network.connection, "me", "", 0.5)
-        assert run.hint_of_others(network.connection) == "on the network: --robot anna"
+        assert client.hint_of_others(network.connection) == "on the network: --robot anna"
     assert code == 2
     assert text.startswith(f"NOT CONFIRMED after 0.5 s: nobody answered {key_of(ROBOT, ESTOP_ENGAGE)}; use the battery")
     assert network.clock.monotonic() == pytest.approx(0.5, abs=0.02)
@@ -146,12 +146,12 @@ def test_a_base_that_hangs_does_not_hide_the_answer_of_another(network: Network)
 
 
 def test_a_stop_that_one_of_two_bases_confirms_is_none_until_the_other_has_confirmed_or_gone(network: Network) -> None:
-    told: list[run.Result] = []
+    told: list[client.Result] = []
     tokens = [network.session.declare_token(alive_key(ROBOT, service, name)) for service, name in SERVICES]
     with network.base(), tokens[0], tokens[1]:
         with network.session.declare_token(alive_key(ROBOT, "base", "other")):
             told.append(engage(network.connection, "me", "", 1.0))
-            run.engage_all(network.connection, WISH, 1.0, (), told.append)
+            client.engage_all(network.connection, WISH, 1.0, (), told.append)
             full = msgspec.structs.replace(FULL, instance="other")
             with network.base(lambda _: full, instance="other"):
                 assert engage(network.connection, "me", "", 1.0).code == 1
@@ -172,29 +172,29 @@ def test_at_several_addresses_each_is_asked_for_itself_whatever_a_page_says(
 ) -> None:
     """One door answers nothing and takes calls, since its process hangs; the page is the other robot's, of one name."""
 
-    class Page(run.OtherWay):
+    class Page(client.OtherWay):
         def stopped(self) -> set[str]:
             return {ROBOT}
 
-    monkeypatch.setattr(run, "find_silent", lambda _: {})
+    monkeypatch.setattr(client, "find_silent", lambda _: {})
     given = ("192.0.2.1", "192.0.2.2")
     network.connection.network = NetworkConfig(connect=given)
     monkeypatch.setattr(network.connection, "open_other_doors", lambda _: None)
-    told: list[run.Result] = []
-    assert run.engage_all(network.connection, WISH, 1.0, given, told.append, other=Page()) == 2
+    told: list[client.Result] = []
+    assert client.engage_all(network.connection, WISH, 1.0, given, told.append, other=Page()) == 2
     assert "NOTHING IS STOPPED" in told[0].text
     assert ["NOT REACHED" in each.text for each in told[1:]] == [True, True]
 
 
 def test_of_a_flood_of_names_the_first_are_told_and_those_that_answer_before_the_others(network: Network) -> None:
-    told: list[run.Result] = []
+    told: list[client.Result] = []
     with ExitStack() as declared, network.base(lambda _: REFUSED):
         for name in (ROBOT, *(f"r{number}" for number in range(49))):
             declared.enter_context(network.session.declare_token(alive_key(name, "base", "b")))
         network.connection.robot = ""
-        assert run.engage_all(network.connection, WISH, 1.0, (), told.append) == 2
+        assert client.engage_all(network.connection, WISH, 1.0, (), told.append) == 2
         network.connection.robot = ROBOT
-        assert run.hint_of_others(network.connection).endswith("--robot r17 and 39 more")
+        assert client.hint_of_others(network.connection).endswith("--robot r17 and 39 more")
     assert told[0].text.startswith(f"{ROBOT}: NOT CONFIRMED after 1 s: {key_of(ROBOT, ESTOP_ENGAGE)} answers that")
     assert (len(told), told[-1].text) == (21, "and 30 more: NOT CONFIRMED; use the battery switch")
 
@@ -218,11 +218,11 @@ def test_a_robot_that_may_be_another_is_asked_and_never_called_the_right_one(net
     doubt = "whether it is yours is not known: robot.toml cannot be read"
     with network.base(), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told = [engage(network.connection, "me", "", 10.0, doubt=doubt)]
-        assert run.engage_all(network.connection, WISH, 10.0, (), told.append, doubt=doubt) == 2
+        assert client.engage_all(network.connection, WISH, 10.0, (), told.append, doubt=doubt) == 2
     assert [each[:2] for each in told] == [(2, f"a robot called {ROBOT} at an unknown host has stopped; {doubt}")] * 2
     with network.base(lambda _: FULL), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told = [engage(network.connection, "me", "", 1.0, doubt=doubt)]
-        assert run.engage_all(network.connection, WISH, 1.0, (), told.append, doubt=doubt) == 2
+        assert client.engage_all(network.connection, WISH, 1.0, (), told.append, doubt=doubt) == 2
     assert [each[:2] for each in told] == [(2, f"a robot called {ROBOT} at an unknown host has stopped; {doubt}")] * 2
     nobody = engage(network.connection, "me", "", 1.0, doubt=doubt)
     assert nobody.text.startswith("NOT CONFIRMED after 1 s: nobody answered")
@@ -249,18 +249,18 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
         return get(key, *words, **more)
 
     monkeypatch.setattr(network.session, "get", fails_for_one)
-    told: list[run.Result] = []
+    told: list[client.Result] = []
     told_at: list[float] = []
     monkeypatch.setattr("giraff_cli.estop.client.ThreadPoolExecutor.submit", at_once)
 
-    def tell(result: run.Result) -> None:
+    def tell(result: client.Result) -> None:
         told.append(result)
         told_at.append(network.clock.monotonic())
 
     alive = [network.session.declare_token(alive_key(name, "base", "b")) for name in ("anna", ROBOT)]
     network.connection.robot = ""
     with network.base(), alive[0], alive[1]:
-        assert run.engage_all(network.connection, WISH, 2.0, (), tell, doubt=doubt) == 2
+        assert client.engage_all(network.connection, WISH, 2.0, (), tell, doubt=doubt) == 2
     assert says in told[0].text
     assert told_at[0] < 0.5
     assert told[1].text.startswith("anna: NOT CONFIRMED after 2 s: giraff/anna/estop/engage: no such key")
@@ -273,7 +273,7 @@ def test_off_is_told_where_base_tells_it_and_reaches_its_board(network: Network,
     alive = network.session.declare_token(alive_key(ROBOT, "base", "b"))
     with network.base(lambda _: answer, msgspec.structs.replace(LATCHED, off=tells)) as asked, alive:
         told = [engage(network.connection, "me", "a cat", 10.0, off=True)]
-        run.engage_all(network.connection, msgspec.structs.replace(WISH, off=True), 2.0, (), told.append)
+        client.engage_all(network.connection, msgspec.structs.replace(WISH, off=True), 2.0, (), told.append)
         assert status(network.connection, 1.0).text.startswith(f"{ROBOT}: {'OFF' if tells else 'ENGAGED'}, latch 7")
     assert all(request.off for request, _ in asked)
     assert [each[:1] + each[2:] for each in told] == [(0 if is_off else 1, ROBOT, True, is_off, 7, None, None)] * 2
@@ -288,11 +288,11 @@ def test_robots_of_one_name_behind_two_doors_are_both_asked(
     other = Network()
     other.clock, other.session = network.clock, Session(network.clock)
     monkeypatch.setattr(RobotConnection, "open_other_doors", lambda _, on_door: on_door(other.session))
-    told: list[run.Result] = []
+    told: list[client.Result] = []
     alive = [each.session.declare_token(alive_key(ROBOT, "base", "b")) for each in (network, other)]
     with network.base(), other.base(lambda _: DONE if answers else None) as asked, alive[0], alive[1]:
         network.connection.robot = name
-        assert run.engage_all(network.connection, WISH, 2.0, (), told.append) == code
+        assert client.engage_all(network.connection, WISH, 2.0, (), told.append) == code
     assert asked
     assert [result.code for result in told] == ([0] if answers else [0, 2])
 
@@ -373,11 +373,11 @@ def test_silence_is_no_status(network: Network) -> None:
 def test_a_stop_of_all_is_not_done_where_an_address_does_not_answer_though_others_are_stopped(
     network: Network, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told: list[run.Result] = []
-    monkeypatch.setattr(run, "_engage_heard", lambda *_: run.RELEASED)
-    monkeypatch.setattr(run, "find_silent", lambda addresses: dict.fromkeys(addresses, "No route to host"))
+    told: list[client.Result] = []
+    monkeypatch.setattr(client, "_engage_heard", lambda *_: client.RELEASED)
+    monkeypatch.setattr(client, "find_silent", lambda addresses: dict.fromkeys(addresses, "No route to host"))
     for addresses, code in (((), 0), (("192.168.1.9",), 2)):
-        assert run.engage_all(network.connection, WISH, 10.0, addresses, told.append) == code
+        assert client.engage_all(network.connection, WISH, 10.0, addresses, told.append) == code
     assert [result.text for result in told] == [
         "--connect 192.168.1.9: No route to host; NOT REACHED: a robot there was NOT STOPPED, use its battery switch"
     ]

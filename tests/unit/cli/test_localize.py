@@ -16,8 +16,8 @@ import msgspec
 import pytest
 from rich.console import Console
 
-import giraff_cli.localize.client as run
 import giraff_cli.localize.serve
+from giraff_cli.localize import client
 from giraff_cli.localize.client import ask, require_none
 from giraff_cli.localize.lines import ChangedLines, JsonLines
 from giraff_cli.localize.view import PoseView
@@ -133,7 +133,7 @@ class Network(AskedRobot):
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network(NAME)
-    made.rule(monkeypatch, run)
+    made.rule(monkeypatch, client)
     return made
 
 

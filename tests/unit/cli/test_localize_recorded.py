@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-import giraff_cli.localize.offline as run
+from giraff_cli.localize import offline
 from giraff_cli.localize.recorded import RecordedDrive, TrueWay
 from giraff_cli.localize.summary import summarize, to_text
 from giraff_core.kinematics.pose import Pose
@@ -168,8 +168,8 @@ BOX = ((0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 5.0), (6.0, 5.0, 0.0, 5.0), (0.0, 5
 @pytest.fixture
 def follower(monkeypatch: pytest.MonkeyPatch) -> Follower:
     policy = Follower()
-    monkeypatch.setattr(run, "LocalizationPolicy", lambda *_: policy)
-    monkeypatch.setattr(run, "read_map", lambda path: FloorPlan(path.stem, BOX))
+    monkeypatch.setattr(offline, "LocalizationPolicy", lambda *_: policy)
+    monkeypatch.setattr(offline, "read_map", lambda path: FloorPlan(path.stem, BOX))
     return policy
 
 
@@ -194,7 +194,7 @@ def test_a_recording_is_summed_up(recording: Path, follower: Follower, giraff: G
 def test_a_map_without_room_for_the_robot_is_none(
     recording: Path, monkeypatch: pytest.MonkeyPatch, giraff: Giraff
 ) -> None:
-    monkeypatch.setattr(run, "read_map", lambda path: FloorPlan(path.stem, BOX[:1]))
+    monkeypatch.setattr(offline, "read_map", lambda path: FloorPlan(path.stem, BOX[:1]))
     code, out, complaint = giraff("localize", "--from", str(recording), "--map", str(ROOM))
     assert (code, out) == (2, "")
     assert complaint.startswith(f"giraff: {ROOM}: ")

@@ -14,10 +14,10 @@ from typing import Any, cast
 import pytest
 from rich.console import Console
 
-import giraff_cli.motion.perform as run
 import giraff_cli.terminal.screen
 import giraff_node.motion_client
 import giraff_node.network.query_client
+from giraff_cli.motion import perform
 from giraff_cli.motion.view import MotionView, describe
 from giraff_cli.network.command import print_error
 from giraff_cli.network.connection import RobotConnection
@@ -54,9 +54,9 @@ class Desk:
         """Which was named, and whether it may be moved."""
         self.each: Callable[[StopSignal], object] = lambda _: None
         """What happens in each turn."""
-        for module in (run, giraff_node.motion_client, giraff_node.network.query_client):
+        for module in (perform, giraff_node.motion_client, giraff_node.network.query_client):
             patch.setattr(module, "time", self.clock)
-        patch.setattr(run, "run_with_robot", self._visit)
+        patch.setattr(perform, "run_with_robot", self._visit)
         patch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)
 
         def wait(stopping: StopSignal, seconds: float, patience: int = 1) -> bool:
@@ -104,7 +104,7 @@ def test_it_arrives_and_says_how_far_it_came(desk: Desk) -> None:
 
 
 def test_at_a_point_of_the_map_it_says_how_sure_localization_is(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "robot_now_ns", desk.clock.monotonic_ns)
+    monkeypatch.setattr(perform, "robot_now_ns", desk.clock.monotonic_ns)
     monkeypatch.setattr("giraff_cli.network.connection.robot_now_ns", desk.clock.monotonic_ns)
     said = encode(stamped(map_pose(1, state="told"), 1, 0, "l"))
     desk.each = lambda _: desk.session.put(key_of(NAME, POSE), said, encoding=encoding_of(MapPose))
@@ -253,8 +253,8 @@ def test_a_reader_who_has_gone_stops_it(desk: Desk, monkeypatch: pytest.MonkeyPa
             """Nothing is left to restore."""
 
     desk.motion.takes = 60.0
-    monkeypatch.setattr(run, "open_screen", lambda **_: Gone())
-    monkeypatch.setattr(run, "discard_stdout", lambda: None)
+    monkeypatch.setattr(perform, "open_screen", lambda **_: Gone())
+    monkeypatch.setattr(perform, "discard_stdout", lambda: None)
     code, out, complaint = desk.type("move", "1")
     assert (code, out) == (1, "")
     assert "stopped: it is cancelled" in complaint

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import pytest
 
-import giraff_cli.odom.client as run
+from giraff_cli.odom import client
 from giraff_cli.odom.client import Result, reset, set_pose
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
@@ -65,7 +65,7 @@ class Network(AskedRobot):
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network(NAME)
-    made.rule(monkeypatch, run)
+    made.rule(monkeypatch, client)
     return made
 
 

@@ -13,7 +13,7 @@ from typing import Any, cast
 import msgspec
 import pytest
 
-from giraff_cli.estop import page as run
+from giraff_cli.estop import page
 from giraff_cli.estop.page import Answer, PageStop, Place, doubt_of, place_of
 from giraff_cli.network import pages
 from giraff_cli.network.pages import PageKeeper, kept_pages, page_file
@@ -65,21 +65,21 @@ def test_only_a_known_page_of_this_robot_with_the_word_of_base_proves_a_stop(
 def test_what_base_says_over_zenoh_counts_more_than_a_page(
     asking: tuple[tuple[object, str], ...], confirmed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(run, "kept_pages", lambda _: (PAGE,))
+    monkeypatch.setattr(page, "kept_pages", lambda _: (PAGE,))
     offs: list[bool] = []
 
     def ask(_: Place, *, off: bool) -> Answer:
         offs.append(off)
         return GOOD
 
-    monkeypatch.setattr(run, "ask", ask)
-    page = PageStop("anne", Place("10.0.0.5", 8443), 60.0, off=True)
+    monkeypatch.setattr(page, "ask", ask)
+    stop = PageStop("anne", Place("10.0.0.5", 8443), 60.0, off=True)
     for refusal, unconfirmed in asking:
-        page.watch("anne", cast(Any, SimpleNamespace(refusal=refusal, unconfirmed=unconfirmed)))
-    page.watch("bob", cast(Any, SimpleNamespace(refusal=object(), unconfirmed="")))
-    assert page.stopped() == ({"anne"} if confirmed else set())
-    assert (page.confirmed, page.unconfirmed) == (confirmed, "")
-    assert (offs, page.is_off) == ([True], False), "this page tells of no off"
+        stop.watch("anne", cast(Any, SimpleNamespace(refusal=refusal, unconfirmed=unconfirmed)))
+    stop.watch("bob", cast(Any, SimpleNamespace(refusal=object(), unconfirmed="")))
+    assert stop.stopped() == ({"anne"} if confirmed else set())
+    assert (stop.confirmed, stop.unconfirmed) == (confirmed, "")
+    assert (offs, stop.is_off) == ([True], False), "this page tells of no off"
 
 
 @pytest.mark.parametrize(
@@ -117,8 +117,10 @@ def visit(*told: WebPage | None) -> None:
     """A visit of a robot that has these pages; None: a service that does not listen yet."""
     clock = Clock()
     session = Session(clock)
-    for number, page in enumerate(told):
-        health = Health(service="web", instance=str(number), host="h", pid=1, uptime=1.0, ok=True, faults=(), page=page)
+    for number, told_page in enumerate(told):
+        health = Health(
+            service="web", instance=str(number), host="h", pid=1, uptime=1.0, ok=True, faults=(), page=told_page
+        )
         session.answer(health_key("anne", "web"), partial(answered, encode(health)))
     keeper = PageKeeper()
     keeper.ask(cast(Any, session), "anne")

@@ -14,7 +14,6 @@ import msgspec
 import pytest
 
 import giraff_cli.tune.speed
-import giraff_cli.tune.speed_drive as run
 import giraff_node.motion_client
 import giraff_node.network.query_client
 from giraff_base.config import BaseConfig
@@ -22,6 +21,7 @@ from giraff_base.drives.wheels.config import SpeedControl
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.human import NobodyError
 from giraff_cli.terminal.signals import StopSignal
+from giraff_cli.tune import speed_drive
 from giraff_cli.tune.speed_fit import Motor
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load
@@ -64,7 +64,7 @@ class Desk:
         self.restart()
         self.session.answer(key_of(NAME, PARAM_DESCRIBE.at("base")), self._describe)
         self._asked, self._began, self._wheels = 0, 0.0, drive()
-        for module in (run, giraff_node.motion_client, giraff_node.network.query_client):
+        for module in (speed_drive, giraff_node.motion_client, giraff_node.network.query_client):
             patch.setattr(module, "time", self.clock)
         patch.setattr(giraff_cli.tune.speed, "run_with_robot", self._visit)
         patch.setattr(giraff_cli.tune.speed, "Terminal", lambda *_: self)

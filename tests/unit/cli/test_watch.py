@@ -17,7 +17,7 @@ import giraff_cli.network.connection
 import giraff_node.network.discovery
 from giraff_cli.terminal import output
 from giraff_cli.terminal.screen import LineScreen
-from giraff_cli.watch import monitor as run
+from giraff_cli.watch import monitor
 from giraff_node.network.discovery import RobotMonitor
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
@@ -73,12 +73,12 @@ def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Network:
     for name in [name for name in os.environ if name.startswith("GIRAFF_")]:
         monkeypatch.delenv(name)
     monkeypatch.chdir(tmp_path)
-    for module in (run, giraff_node.network.discovery):
+    for module in (monitor, giraff_node.network.discovery):
         monkeypatch.setattr(module, "time", made.clock)
-    for module in (run, giraff_cli.network.connection):
+    for module in (monitor, giraff_cli.network.connection):
         monkeypatch.setattr(module, "robot_now_ns", made.clock.monotonic_ns)
-    monkeypatch.setattr(run, "StopSignal", lambda: Waits(made.clock))
-    monkeypatch.setattr(run, "set_tcp_options", lambda: None)
+    monkeypatch.setattr(monitor, "StopSignal", lambda: Waits(made.clock))
+    monkeypatch.setattr(monitor, "set_tcp_options", lambda: None)
     monkeypatch.setattr(giraff_cli.network.command, "open_session", lambda *_, **__: made.session)
     monkeypatch.setattr(giraff_cli.network.connection, "close_session", lambda *_: True)
     return made
@@ -88,7 +88,7 @@ def watched(
     capfd: pytest.CaptureFixture[str], robot: str | None, seconds: float, *, as_json: bool = False
 ) -> tuple[int, list[str], str]:
     """Exit code, lines, standard error."""
-    code = run.watch(robot, (), seconds, as_json=as_json)
+    code = monitor.watch(robot, (), seconds, as_json=as_json)
     out, err = capfd.readouterr()
     return code, out.splitlines(), err
 
@@ -221,8 +221,8 @@ def test_it_starts_anew_on_a_host_that_is_found_elsewhere(
         raise StartedAnewError
 
     addresses = iter([frozenset[str]()])
-    monkeypatch.setattr(run, "host_addresses", lambda: next(addresses, frozenset({"192.0.2.7"})))
+    monkeypatch.setattr(monitor, "host_addresses", lambda: next(addresses, frozenset({"192.0.2.7"})))
     monkeypatch.setattr("giraff_node.process.lifecycle.restart_program", restart_program)
     with pytest.raises(StartedAnewError):
-        run.watch(None, (), None, as_json=False)
+        monitor.watch(None, (), None, as_json=False)
     capfd.readouterr()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.web import devices as run
+from giraff_cli.web import devices
 from giraff_web.messages import OpenPage
 from giraff_web.server.host import Answer, Ask, run_directory, sockets
 from tests.unit.cli.typed import Giraff
@@ -51,8 +51,8 @@ def services(monkeypatch: pytest.MonkeyPatch) -> dict[Path, Service | Exception]
             raise service
         return service.answer(asked)
 
-    monkeypatch.setattr(run, "sockets", lambda: list(made))
-    monkeypatch.setattr(run, "ask", ask)
+    monkeypatch.setattr(devices, "sockets", lambda: list(made))
+    monkeypatch.setattr(devices, "ask", ask)
     return made
 
 
@@ -111,7 +111,7 @@ def test_a_name_of_none_or_of_several_ends_nothing(
         (TimeoutError(), "page.sock: no answer for 2 s: the page service hangs; start it again"),
         (OSError(5, "Input/output error"), "page.sock: Input/output error; start the page service again"),
         (ValueError(), "page.sock: no page service of this version answers there; start it again"),
-        (FileNotFoundError(), run._NOBODY),
+        (FileNotFoundError(), devices._NOBODY),
     ],
 )
 @pytest.mark.parametrize("words", [("--devices",), ("--end", "1")])
@@ -127,7 +127,7 @@ def test_the_socket_of_a_dead_service_is_none(giraff: Giraff, tmp_path: Path, wo
     left = socket.socket(socket.AF_UNIX)
     left.bind(str(tmp_path / "page-1.sock"))
     left.close()
-    assert giraff("web", *words) == (2, "", f"giraff: {run._NOBODY}\n")
+    assert giraff("web", *words) == (2, "", f"giraff: {devices._NOBODY}\n")
     assert list(tmp_path.iterdir()) == []
 
 

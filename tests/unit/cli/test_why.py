@@ -6,7 +6,7 @@ from contextlib import ExitStack
 
 import pytest
 
-import giraff_cli.why.explain as run
+from giraff_cli.why import explain
 from giraff_cli.why.chain import ChainState
 from giraff_core.network import NetworkConfig
 from giraff_node.process.version import version
@@ -30,8 +30,8 @@ class Network(AskedRobot):
         """By service, s until it answers."""
         self.faults: dict[str, tuple[str, ...]] = {}
         self.mute: set[str] = set()
-        monkeypatch.setattr(run, "time", self.clock)
-        monkeypatch.setattr(run, "robot_now_ns", self.clock.monotonic_ns)
+        monkeypatch.setattr(explain, "time", self.clock)
+        monkeypatch.setattr(explain, "robot_now_ns", self.clock.monotonic_ns)
         self.tokens = ExitStack()
         for service in SERVICES:
             self.begin(service)
@@ -56,7 +56,7 @@ class Network(AskedRobot):
 
     def told(self, service: str, seconds: float = 1.0) -> str:
         """Return what `why` says of a service that sends nothing."""
-        link = ChainState(run.listen(self.connection, seconds)).silent(service, service)
+        link = ChainState(explain.listen(self.connection, seconds)).silent(service, service)
         return link.text.removeprefix(f"giraff_{service}: ")
 
 

@@ -199,7 +199,7 @@ def test_a_twin_is_a_candidate_that_no_particle_believes(judgement: Judgement) -
     drive(judgement, 1.0, equivalents=[THERE])
     assert judgement.state == "ambiguous"
     assert judgement.candidates[1].belief == 0.0
-    assert judgement.others == [], "which do not become equivalents again"
+    assert judgement.others == [], "which do not become equivalent places again"
 
 
 def test_places_that_explain_little_are_no_candidates_to_choose_from(judgement: Judgement) -> None:

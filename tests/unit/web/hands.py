@@ -36,7 +36,7 @@ class Person:
 
     def wait(self, seconds: float) -> None:
         self.now += seconds
-        self.hand.check_silence(self.now)
+        self.hand.end_if_silent(self.now)
 
     def wish(self, after: float = 1 / 60, *, tick_age: float = 0.03, **fields: Any) -> None:
         """One wish, so much later, of a tick that was of that age then."""

@@ -91,7 +91,7 @@ def _judged(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, came
     for way, sign in SIGN.items():
         looking = UltrasonicDirection(way, limits, list(sensors.values())).sensors
         if sensor in looking:
-            worst = Nearest(way, limits, looking).clearance(sensor, distance)
+            worst = Nearest(way, limits, looking).gap(sensor, distance)
             judged += [
                 worst - came * abs(math.cos(pose.yaw)),
                 sign * (pose.x + remembered * math.cos(pose.yaw)),

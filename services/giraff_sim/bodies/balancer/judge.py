@@ -8,7 +8,7 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import Frame
 from giraff_schemas.wires.balancer import BalanceDriveFrame
 from giraff_sim.bodies.balancer.body import BalancerBody
-from giraff_sim.world.body import Demand, DriveDirection
+from giraff_sim.world.body import BoundedMotion, Demand
 
 _RUNS_ON: Final = 0.12  # m: to brake, the axle first runs under the body
 _TWICE_BRAKING: Final = 0.7  # m/s²
@@ -70,7 +70,7 @@ class BalancerJudge:
                 return f"it went {gone:.2f} m after its stop, where {self._stop.bound:.2f} m is the most"
         return self._asks_too_much
 
-    def goes(self, way: DriveDirection) -> bool:
+    def goes(self, way: BoundedMotion) -> bool:
         speed = self._body.plant.speed
         return {
             "any": True,

@@ -98,7 +98,7 @@ class WheelsBody:
         self._wheel(wheel).brake = brake
 
     def rewire(self, wiring: Wiring) -> None:
-        """Rewire motors and encoders anew, so that `configure.wiring` must be this for the robot to drive well."""
+        """Rewire motors and encoders, so that `configure.wiring` must be this for the robot to drive well."""
         self._motor_wiring.rewire(wiring, self._wheel_states)
 
     def _wheel(self, wheel: int) -> Wheel:

@@ -10,7 +10,7 @@ from giraff_schemas.wire import DriveFrame, Frame, SpeedFrame
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.pins import Pins
 from giraff_sim.bodies.wheels.wheel_request import WheelRequest
-from giraff_sim.world.body import Demand, DriveDirection
+from giraff_sim.world.body import BoundedMotion, Demand
 
 _CREEPING_COUNTS: Final = 4  # of both motors: less is what rounding leaves of a turn in place
 _CREEPING: Final = 0.02  # m/s
@@ -47,7 +47,7 @@ class WheelsJudge:
     def wrong(self, now_us: int) -> str:
         return self._pins.judge(now_us)
 
-    def goes(self, way: DriveDirection) -> bool:
+    def goes(self, way: BoundedMotion) -> bool:
         if way == "any":
             return True
         counts = sum(self._body.drives)

@@ -11,7 +11,7 @@ from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.people import double, keyboard_user
 from giraff_sim.dst.simulated_run import Course, Kind, SimulatedRun, fault
 from giraff_sim.settings import MACHINES
-from giraff_sim.world.body import DriveDirection
+from giraff_sim.world.body import BoundedMotion
 
 KINDS: Final[list[Kind]] = []
 
@@ -36,7 +36,7 @@ _PARAMETERS: Final = (
 """Service, name, a tighter value and one that is looser than the robot file's."""
 
 
-def _bound(name: str) -> tuple[int, DriveDirection]:
+def _bound(name: str) -> tuple[int, BoundedMotion]:
     """Within what a service's end stops the robot, and what motion."""
     if name == "ranger":
         return BEYOND_US, "travel"

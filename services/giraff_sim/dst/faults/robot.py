@@ -15,7 +15,7 @@ from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.simulated_run import Course, Kind, SimulatedRun, fault
 from giraff_sim.world.bno055 import Bno055Fault
-from giraff_sim.world.body import DriveDirection
+from giraff_sim.world.body import BoundedMotion
 from giraff_sim.world.sonar import SonarFault
 
 KINDS: Final[list[Kind]] = []
@@ -32,7 +32,7 @@ _LEGS: Final = 0.15  # m, of a person
 _KEEPS_OFF: Final = 0.35  # m from the body
 
 
-def _bound(kind: BoardKind) -> tuple[int, DriveDirection]:
+def _bound(kind: BoardKind) -> tuple[int, BoundedMotion]:
     if kind is BoardKind.RANGER:
         return BEYOND_US, "travel"
     return (ROBOT_US, "any") if kind is BoardKind.BASE else (BEYOND_US, "any")
@@ -84,7 +84,7 @@ def sonar(run: SimulatedRun, chance: Random) -> Course:
         return
     sensor.fault = chance.choice((SonarFault.DEAD, SonarFault.STUCK, SonarFault.FROZEN, SonarFault.WILD))
     told = f"{name} is {sensor.fault}"
-    way: DriveDirection = "forward" if looks_along(pose, 1.0) else "backward"
+    way: BoundedMotion = "forward" if looks_along(pose, 1.0) else "backward"
     silent = sensor.fault in (SonarFault.DEAD, SonarFault.STUCK)
     with run.stops(told, BEYOND_US, way, lambda: silent):
         yield told

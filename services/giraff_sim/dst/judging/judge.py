@@ -73,7 +73,7 @@ class Judge(Ledger):
         self._obstacles = Obstacles(self._world, settings)
         self._wrong_direction = WrongDirection(body)
         self._driver = ""  # instance of the operator whom the newest frame that asks for motion explains
-        self.clearance = ClearanceCheck(self._world, settings)
+        self.clearance_check = ClearanceCheck(self._world, settings)
         self._asked_us = 0  # when base last asked the board as it is now for motion
         # What disarmed last, and whose held neutral has been found since.
         self._disarmed_us, self._disarmed_by = 0, "base has just started"
@@ -116,15 +116,15 @@ class Judge(Ledger):
         self._measure_way(now_us)
         self._look_at_latch(disk, now_us)
         self._obstacles.note(now_us)
-        self.clearance.note(now_us)
+        self.clearance_check.note(now_us)
         self._of_body.note(now_us)
         self._look_at_contacts(now_us)
         against = self._wrong_direction.judge(self._driver, self.true_input.way(self._driver, now_us), now_us)
         if self._body.activity == 0:
-            if refusal := self.clearance.refused(self._newest, self._state, now_us):
+            if refusal := self.clearance_check.refused(self._newest, self._state, now_us):
                 self._violated("f", refusal)
             return
-        self.clearance.moved(now_us)
+        self.clearance_check.moved(now_us)
         if wrong := self._of_body.wrong(now_us):
             self._violated("g", wrong)
         if against:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from giraff_sim.world.body import Body, DriveDirection
+from giraff_sim.world.body import Body, BoundedMotion
 
 ROBOT_US: Final = 350_000
 """Of a fault on the robot's side."""
@@ -23,7 +23,7 @@ class Stop(NamedTuple):
     what: str
     since_us: int
     bound_us: int
-    way: DriveDirection
+    way: BoundedMotion
     applies: Callable[[], bool]
     """Whether it stops the robot now: one operator's fault does not while another one drives."""
 
@@ -31,7 +31,7 @@ class Stop(NamedTuple):
 class Stops:
     """Those in force, and whether one is overdue."""
 
-    def __init__(self, body: Body, goes: Callable[[DriveDirection], bool]) -> None:
+    def __init__(self, body: Body, goes: Callable[[BoundedMotion], bool]) -> None:
         """`goes`: says whether the robot is driven that way."""
         self._acts = body.acts
         self._late_us = body.settles_us + _STEPS_US

@@ -7,7 +7,7 @@ from typing import Final
 from giraff_sim.dst.judging.true_input import PointedDirection
 from giraff_sim.world.body import Body
 
-_CONTRARY: Final = 0.05  # m/s of the centre, or of each wheel where it turns
+_WRONG: Final = 0.05  # m/s of the centre, or of each wheel where it turns
 _UNASKED: Final = 0.12  # the same of a way that nobody asks for: unlike motors turn a robot that drives, and drive one
 _LETS_GO_US: Final = 500_000  # from a level hand to motors without power: its command's budget, a report and a step
 _OBEYS_US: Final = 450_000  # within which a wish that has changed is obeyed, or the robot stopped
@@ -41,7 +41,7 @@ class WrongDirection:
         for axis, (name, asked, speed) in enumerate(zip(("linear", "turning"), way, speeds, strict=True)):
             if changed[axis]:
                 self._since_us[axis] = now_us + _OBEYS_US + self._settles_us
-            elif asked is None or (asked * speed >= -_CONTRARY if asked else abs(speed) <= _UNASKED):
+            elif asked is None or (asked * speed >= -_WRONG if asked else abs(speed) <= _UNASKED):
                 self._since_us[axis] = max(self._since_us[axis], now_us)
             if now_us - self._since_us[axis] > _LASTS_US:
                 against = f"{name} at {speed:+.2f} m/s for {_LASTS_US / 1e6:g} s"
