@@ -77,12 +77,17 @@ def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None
     return sample
 
 
-def decode_request(query: Query[RequestT, Any], key: str, payload: bytes, encoding: str | None) -> RequestT:
-    """Return what is asked on `key`. Raise DecodeError where it cannot be read, and the query does not say instead."""
+def decode_request(query: Query[RequestT, Any], key: str, payload: bytes | None, encoding: str | None) -> RequestT:
+    """Return what is asked on `key`. Raise DecodeError where it cannot be read, and the query does not say instead.
+
+    `payload`: None: there is none. A program that looks through the network asks many keys so, and for nothing.
+    """
+    if payload is None and "*" in key:
+        raise DecodeError(f"{key}: a request names one key, or carries what it asks for")
     try:
         require_encoding(key, query.request, encoding)
         try:
-            request: RequestT = _decoder(query.request).decode(payload)
+            request: RequestT = _decoder(query.request).decode(payload or b"")
         except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
             raise DecodeError(f"not a {query.request.__name__}: {plain(error)}") from error
     except DecodeError:

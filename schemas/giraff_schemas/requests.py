@@ -23,7 +23,7 @@ class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
 
 
 UNREADABLE_STOP = EStopEngage(
-    by="somebody of another version", reason=Trouble("a request that cannot be read", "see who asks for a stop")
+    by="somebody unknown", reason=Trouble("a request that cannot be read", "see who asks for a stop")
 )
 """Stop that base makes of a request that it cannot read: a stop is not refused for its form."""
 

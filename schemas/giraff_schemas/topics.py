@@ -156,7 +156,7 @@ MOTION_MOVE = Query("motion/move", mo.MotionMove, mo.MotionAnswer)
 MOTION_TURN = Query("motion/turn", mo.MotionTurn, mo.MotionAnswer)
 MOTION_ARC = Query("motion/arc", mo.MotionArc, mo.MotionAnswer)
 MOTION_GO = Query("motion/go", mo.MotionGo, mo.MotionAnswer)
-MOTION_CANCEL = Query("motion/cancel", mo.MotionCancel, mo.MotionAnswer)
+MOTION_CANCEL = Query("motion/cancel", mo.MotionCancel, mo.MotionAnswer, mo.MotionCancel(by="somebody unknown"))
 
 MOTION_QUERIES: tuple[Query[Any, Any], ...] = (MOTION_MOVE, MOTION_TURN, MOTION_ARC, MOTION_GO, MOTION_CANCEL)
 """Of motion."""

@@ -9,7 +9,7 @@ import msgspec
 from giraff_core.estop.latch import RELEASED, SEE_THAT_IT_MAY, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
-from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.requests import UNREADABLE_STOP, EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import brief
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
@@ -49,6 +49,8 @@ class EStopControl:
         """
         self._engaged_ns = now.robot_ns
         by, reason = brief(asked.by), _to_release(asked.reason)
+        if asked == UNREADABLE_STOP and self.latch.engaged:
+            by, reason = self.latch.by, self.latch.reason  # which somebody can read
         off = self.latch.off or (asked.off and self._can_power_off)
         empty = self.latch.empty or empty
         latch = EStopLatch(engaged=True, id=self.latch.id, by=by, reason=reason, off=off, empty=empty)

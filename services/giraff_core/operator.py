@@ -89,6 +89,12 @@ class Operator(RobotLink):
         self._lease = LeaseClient(instance)
         self.holder = ""
         """Name of the operator that holds the lease; empty: none."""
+        self.lost_parameters = NO_TROUBLE
+        """A saved limit of its service that may be lost. It asks for nothing then."""
+
+    def fault(self, now: float) -> Trouble:
+        """Return why this operator must not ask for motion. NO_TROUBLE: it may."""
+        return self.lost_parameters or self.link_fault(now)
 
     @property
     def holds(self) -> bool:
@@ -202,7 +208,7 @@ class OperatorService:
         self.timers: tuple[Timer, ...] = (self.timer,)
         self._last: RobotTime | None = None
         self._speaks = False
-        self._lost_parameters = io.lost_parameters
+        self._operator.lost_parameters = io.lost_parameters
 
     def turn(self, now: float) -> None:
         if self._hand.read(now):  # before the ticks: what was pressed is of one that was heard before
@@ -234,8 +240,8 @@ class OperatorService:
         self._speaks = asked is not None
         if asked is None:
             return
-        if self._lost_parameters:
-            asked = Fault(self._lost_parameters, asked.tick, is_told=True)
+        if lost := self._operator.lost_parameters:  # whatever a hand makes of it
+            asked = Fault(lost, asked.tick)
         self._last = asked.tick
         self._commands.put(self._operator.say(asked))
         self.on_said(asked, now)

@@ -96,7 +96,7 @@ class KeyboardPolicy(Hand):
     def poll(self, now: float) -> Wish | Fault:
         """What the keys ask now: after KEY_LASTS without a press nothing, which is a hand's neutral."""
         newest = self.operator.tick
-        if fault := _STOPPING if self._stopping else self.operator.link_fault(now):
+        if fault := _STOPPING if self._stopping else self.operator.fault(now):
             return Fault(fault, newest)
         if not self._wishes(now):
             return Wish(0.0, 0.0, newest)

@@ -206,7 +206,7 @@ class MotionPolicy(Hand):
 
     def _unfit(self, now: float) -> Trouble:
         """What is missing of the robot."""
-        if fault := self.operator.link_fault(now):
+        if fault := self.operator.fault(now):
             return fault
         if now - min(self._guard[1], self._told_who_drives) > _STATES_COUNT:
             return _NO_GUARD

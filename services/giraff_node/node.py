@@ -258,7 +258,8 @@ class Node(Generic[ConfigT]):
 
         def on_query(asked: zenoh.Query) -> None:
             try:
-                request = decode_request(query, key, bytes(asked.payload or b""), str(asked.encoding))
+                payload = None if asked.payload is None else bytes(asked.payload)
+                request = decode_request(query, str(asked.key_expr), payload, str(asked.encoding))
             except DecodeError as error:
                 with asked:
                     asked.reply_err(str(error))

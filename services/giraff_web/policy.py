@@ -103,7 +103,7 @@ class WebPolicy(Hand):
             return self._without_a_hand()
         hand = driving.hand
         self._tick = hand.tick
-        if stopped := _STOPPING if self.stopping else self.operator.link_fault(now) or _lost_by(driving, now):
+        if stopped := _STOPPING if self.stopping else self.operator.fault(now) or _lost_by(driving, now):
             return Fault(stopped, hand.tick)
         asks = ASKING if hand.holds and not holds else hand.asks
         return Wish(*asks, hand.tick, takes=hand.holds)

@@ -161,11 +161,11 @@ def guard(chain: ChainState) -> Link:
         return link_from("guard", "waits" if chain.broken("ranger") else "STOPS", heard, text)
     limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.clearance in ("blocked", "creep")]
     limits += [each.trouble.of(f"{name} is not trusted") for name, each in state.sensors.items() if each.trouble]
-    if limits:
-        return link_from("guard", "limits", heard, chain.tell("guard", *limits))
     is_told = chain.lease is not None and state.reason == chain.lease.sample.reason
-    why = "" if is_told else chain.tell("guard", state.reason)
-    return link_from("guard", "ok", heard, why or "no direction is blocked")
+    own = () if is_told or not state.reason or any(state.reason == each for each in limits) else (state.reason,)
+    if limits:
+        return link_from("guard", "limits", heard, chain.tell("guard", *own, *limits))
+    return link_from("guard", "ok", heard, chain.tell("guard", *own) or "no direction is blocked")
 
 
 def board(chain: ChainState) -> Link:

@@ -16,6 +16,7 @@ from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSe
 from giraff_schemas.text import brief, plain
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
+_LONGEST: Final = 300  # characters of a fault: a file may hold anything
 PARAMS_FOLDER: Final = "params"
 """Below the state directory: a file for each service that has saved something."""
 _MAKE_WRITABLE: Final = "make the folder writable (STATE_DIRECTORY names it), or write it into the robot file"
@@ -42,7 +43,7 @@ class ParameterServer(Generic[ConfigT]):
         self.fault = NO_TROUBLE
         """What of the saved parameters does not count."""
         self.lost = NO_TROUBLE
-        """The same where no parameter has the name of a saved one: a limit that somebody tightened may be lost."""
+        """The same where nobody can tell what it was: a limit that somebody tightened may be lost."""
         self.on_set: Callable[[ParamAnswer], object] = lambda _: None
         """Is told of each parameter that was set, before the service goes by it."""
         self._service, self._instance, self._host = service, instance, host
@@ -114,25 +115,32 @@ class ParameterServer(Generic[ConfigT]):
         return self._answer(NO_TROUBLE, *(request.names or (*kept, *self._params.unsaved)))
 
     def _restore(self, store: Store, name: str) -> None:
+        restart = f"restart giraff_{self._service}"
         try:
             saved = msgspec.json.decode(store.read(name), type=dict[str, Any])
             require_sendable(saved)
         except FileNotFoundError:
             return
         except OSError as error:
-            self.fault = Trouble(f"{self._file}: {error.strerror}; what was saved there does not count")
+            unread = f"what was saved does not count: {self._file}: {error.strerror}"
+            self.fault = self.lost = Trouble(unread, f"mend or remove the file, and {restart}")
             return
         except (ValueError, RecursionError) as error:
-            damaged = f"{self._file} is damaged ({plain(error)}), and does not count"
-            self.fault = Trouble(damaged, "set and save again, or remove it")
+            damaged = f"what was saved does not count: {self._file} is damaged ({plain(error)})"
+            self.fault = self.lost = Trouble(damaged, f"set and save again, or remove the file, and {restart}")
             return
         ignored = self._params.restore(saved)
         if self._params.saved:
             self._log("as saved in %s, not as in the robot file: %s", self._file, self._params.saved)
-        if ignored:
-            restart = f"save again, or remove the file, and restart giraff_{self._service}"
-            self.fault = Trouble(f"{self._file}: {'; '.join(ignored)}", restart)
-            self.lost = self.fault if self._params.unknown else NO_TROUBLE
+        if unknown := self._params.unknown:
+            told = ", ".join(f"{each} = {saved[each]}" for each in unknown)
+            what = f"no parameter has the name of what was saved: {told} in {self._file}"
+            remedy = f"set that by its name of today and save it, or remove the file, and {restart}"
+            self.fault = self.lost = Trouble(what[:_LONGEST], remedy)
+        elif ignored:
+            self.fault = Trouble(
+                f"{self._file}: {'; '.join(ignored)}", f"save again, or remove the file, and {restart}"
+            )
         else:
             self._on_disk = self._params.saved
 

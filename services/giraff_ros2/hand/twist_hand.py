@@ -128,7 +128,7 @@ class TwistHand(Hand):
                 return each.refused
         if now - self._refused_at <= LASTS:
             return self._refused
-        return self.operator.link_fault(now)
+        return self.operator.fault(now)
 
     def _spoke(self, now: float) -> bool:
         """Tell whether anybody has published lately."""

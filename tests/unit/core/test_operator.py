@@ -135,6 +135,17 @@ class Room:
         self.told[name] = trouble
 
 
+def test_a_saved_limit_that_may_be_lost_stops_the_hand_and_is_told() -> None:
+    room, lever = Room(), Lever()
+    room.lost_parameters = Trouble("no parameter has the name of what was saved", "remove the file")
+    service = OperatorService(room, lever)
+    room.inbox(TICK).accept(Tick(epoch=1, robot_ns=1))
+    lever.moved = RobotTime(epoch=1, robot_ns=1)
+    service.turn(0.0)
+    assert [(said.source, said.linear_x, said.reason) for said in room.said] == [("fault", 0.0, room.lost_parameters)]
+    assert room.told["hand"] == lever.operator.fault(0.0) == room.lost_parameters
+
+
 def test_a_service_says_what_its_hand_asks_and_tells_why_it_is_not_obeyed() -> None:
     room, lever = Room(), Lever()
     service = OperatorService(room, lever)

@@ -133,15 +133,20 @@ def test_what_was_saved_comes_again_unless_the_robot_file_is_tighter() -> None:
     assert params.unknown == ("gone",)
 
 
-@pytest.mark.parametrize(("saved", "lost"), [('{"margin": 0.1}', False), ('{"gone": 1, "noise": 9}', True)])
-def test_a_saved_name_that_nobody_knows_may_be_a_lost_limit(tmp_path: Path, saved: str, lost: bool) -> None:
+@pytest.mark.parametrize(
+    ("saved", "lost"), [('{"margin": 0.1}', False), ('{"gone": 1, "noise": 9}', True), ("{ torn", True)]
+)
+def test_a_saved_name_that_nobody_knows_or_a_torn_file_may_be_a_lost_limit(
+    tmp_path: Path, saved: str, lost: bool
+) -> None:
     (tmp_path / "params").mkdir()
     (tmp_path / "params" / "guard.json").write_text(saved)
     params = Parameters("guard", Config(margin=0.4), ROBOT)
     server = ParameterServer("guard", "guard-1", "host", params, Folder(tmp_path), print)
     assert server.fault
     assert server.lost == (server.fault if lost else NO_TROUBLE)
-    assert server.fault.remedy == "save again, or remove the file, and restart giraff_guard"
+    assert server.fault.remedy.endswith("remove the file, and restart giraff_guard")
+    assert ("gone = 1 in " in server.fault.what) == ("gone" in saved)
 
 
 def test_only_what_is_not_the_robot_files_is_saved(params: Parameters[Config]) -> None:

@@ -26,6 +26,7 @@ from giraff_schemas.topics import (
     BATTERY,
     CMD_VEL,
     ESTOP_ENGAGE,
+    MOTION_CANCEL,
     MOTION_QUERIES,
     OPERATOR_CMD_VEL,
     PARAM_QUERIES,
@@ -129,8 +130,8 @@ def test_a_request_that_cannot_be_read_is_refused_but_a_stop_is_a_stop(
 ) -> None:
     """`None`: it could be read, and is of another format."""
     encoding = None if payload is not None else f"application/msgpack;giraff.{FORMAT + 1}.{query.request.__name__}"
-    if query is ESTOP_ENGAGE:
-        assert decode_request(query, KEY, payload or b"\x80", encoding) == UNREADABLE_STOP
+    if query in {ESTOP_ENGAGE, MOTION_CANCEL}:
+        assert decode_request(query, KEY, payload or b"\x80", encoding) == query.unreadable
         return
     with pytest.raises(DecodeError, match=query.request.__name__):
         decode_request(query, KEY, b"\x80" if payload is None else payload, encoding)
@@ -331,3 +332,11 @@ def test_neutral_is_no_motion_at_all(
     twist = {"linear_x": linear_x, "angular_z": angular_z}
     command = msgspec.convert(an_example(type_) | twist, type_)
     assert command.neutral is neutral
+
+
+def test_who_looks_through_the_network_asks_for_no_stop() -> None:
+    for key in ("**", "giraff/**", "giraff/sim-test/estop/*"):
+        with pytest.raises(DecodeError, match="a request names one key"):
+            decode_request(ESTOP_ENGAGE, key, None, None)
+        assert decode_request(ESTOP_ENGAGE, key, encode(UNREADABLE_STOP), None) == UNREADABLE_STOP
+    assert decode_request(ESTOP_ENGAGE, KEY, None, None) == UNREADABLE_STOP
