@@ -167,7 +167,7 @@ def test_a_yaw_of_any_number_of_turns_is_one(lost: LocalizationPolicy) -> None:
 
 
 def test_who_is_unsure_by_metres_has_told_no_place(lost: LocalizationPolicy) -> None:
-    """It then takes what any other search takes: three metres, and a challenger that agrees."""
+    """It then takes what any other search takes: three metres, and a restart cloud that agrees."""
     robot = Robot(lost, Pose(1.0, 1.5, 0.0))
     robot.tell()
     assert set_pose(lost, position_sd=3.0, yaw_sd=1.0) == ""
