@@ -8,15 +8,20 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_schemas.format import FORMAT
+from giraff_schemas.format import FORMAT, SAME_VERSION
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health
 from giraff_schemas.text import plain
 from giraff_schemas.topics import MOTION_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, Query, RequestT, SampleT, Topic
+from giraff_schemas.trouble import Trouble
 
 
 class DecodeError(ValueError):
     """A payload that is not what its key carries. The message names the key and the field."""
+
+    def __init__(self, what: str, remedy: str = "") -> None:
+        self.trouble = Trouble(what, remedy)
+        super().__init__(str(self.trouble))
 
 
 _encoder = msgspec.msgpack.Encoder()
@@ -49,11 +54,10 @@ def require_encoding(key: str, type_: type[msgspec.Struct], encoding: str | None
     """
     if encoding is None or ";giraff." not in encoding or encoding == encoding_of(type_):
         return
-    told = f"{key}: carries {encoding!r} where {encoding_of(type_)!r} belongs"
     named = _FORMAT.search(encoding)
-    if named is None or int(named[1]) != FORMAT:
-        told += "; install the same version on all machines, and restart the services"
-    raise DecodeError(told)
+    is_other = named is None or int(named[1]) != FORMAT
+    what = f"{key}: carries {encoding!r} where {encoding_of(type_)!r} belongs"
+    raise DecodeError(what, SAME_VERSION if is_other else "")
 
 
 def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None = None) -> SampleT:

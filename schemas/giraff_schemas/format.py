@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+SAME_VERSION: Final = "install the same version on all machines, and restart the services"
+"""Remedy where two formats or versions meet."""
+
 FORMAT: Final = 3
 """It rises with each change of a key, or of a field's name or type."""
 DIGEST: Final = "2f50418b77c78dd0"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from giraff_schemas.format import SAME_VERSION
 from giraff_schemas.trouble import Trouble
 
 
@@ -65,5 +66,5 @@ def other_health(payload: bytes) -> Health | None:
         told = msgspec.msgpack.decode(payload, type=_Header)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         return None
-    fault = Trouble(f"it is of version {told.version}", "install the same version on all machines, and restart")
+    fault = Trouble(f"it is of version {told.version}", SAME_VERSION)
     return Health(**msgspec.structs.asdict(told), pid=0, uptime=0.0, ok=False, faults=(fault,))

@@ -276,7 +276,7 @@ class Odometry(Sample, frozen=True, kw_only=True):
     boot_id: int
     tick: RobotTime
     jumps: int = 0
-    """How often its pose was set from outside since odometry began: `segment` says what follows."""
+    """Number of times that its pose was set from outside since odometry began. Each one begins another `segment`."""
     breaks: int = 0
     """How often the wheels could not be followed, or only over a gap: what that may have missed is in `covariance`."""
 

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import msgspec
 
-from giraff_schemas.actions import ANY, Action, Words
+from giraff_schemas.actions import ANY, Action, ActionWords
 
 
 class Trouble(msgspec.Struct, frozen=True):
     """False where nothing is wrong."""
 
     what: str = ""
-    """What is wrong, with its likely cause."""
+    """Fault or condition, with its likely cause."""
     remedy: str = ""
-    """What to do about it, on each screen alike; empty: nobody knows, or `action` says it."""
+    """Remedy, the same on each screen. Empty: nobody knows one, or `action` says it."""
     action: Action = ""
-    """What to do after the remedy."""
+    """Last step of the remedy, which each screen says in its own words."""
     argument: str = ""
-    """How long the hand is held, the command to run, or the one to run before a release. Who drives, where the action
-    is `ask` or `take`; empty: nobody does."""
+    """Time that the hand is held, command to run, or command to run before a release. For `ask` and `take` it is the
+    operator that drives; empty: none drives."""
 
     def __bool__(self) -> bool:
         return bool(self.what)
@@ -26,11 +26,11 @@ class Trouble(msgspec.Struct, frozen=True):
     def __str__(self) -> str:
         return self.line(ANY)
 
-    def line(self, words: Words) -> str:
+    def line(self, words: ActionWords) -> str:
         """Return what is wrong and what to do about it, in the words of one screen."""
         return "; ".join(filter(None, (self.what, self.to_do(words))))
 
-    def to_do(self, words: Words) -> str:
+    def to_do(self, words: ActionWords) -> str:
         """Return remedy and action, in the words of one screen; empty: nobody knows what to do."""
         steps = [self.remedy]
         if self.argument and self.action in {"run", "release"}:
@@ -40,7 +40,7 @@ class Trouble(msgspec.Struct, frozen=True):
         return ", then ".join(filter(None, steps))
 
     def of(self, whom: str) -> Trouble:
-        """The same, after the name of what has it."""
+        """Return the same trouble, with the name of the part that has it before it."""
         return msgspec.structs.replace(self, what=f"{whom}: {self.what}")
 
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final
 
+from giraff_schemas.format import SAME_VERSION
 from giraff_schemas.health import Health
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
-
-_SAME: Final = "install the same version on all machines, and restart the services"
 
 
 def version_trouble(host: str, version: str, answers: Iterable[Health]) -> Trouble:
@@ -19,4 +17,4 @@ def version_trouble(host: str, version: str, answers: Iterable[Health]) -> Troub
     if len(places) == 1:
         return NO_TROUBLE
     told = "; ".join(f"{running} on {', '.join(sorted(where))}" for running, where in places.items())
-    return Trouble(f"versions differ: {told}", _SAME)
+    return Trouble(f"versions differ: {told}", SAME_VERSION)

@@ -8,7 +8,7 @@ import msgspec
 
 from giraff_cli.why.observation import Observation
 from giraff_core.latest import Latest
-from giraff_schemas.actions import ANY, BY_OPERATOR, Words
+from giraff_schemas.actions import ANY, BY_OPERATOR, ActionWords
 from giraff_schemas.messages import DirectionLimit, DriveCommand, Lease, Tilt
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
 from giraff_schemas.trouble import Trouble
@@ -112,7 +112,7 @@ class ChainState:
             why = self.tell(link, *self.observation.faults(service)) or well
         return Link(name=link, status="STOPS", text=f"giraff_{service}: {why}")
 
-    def _words(self, commands: list[Latest[DriveCommand]]) -> Words:
+    def _words(self, commands: list[Latest[DriveCommand]]) -> ActionWords:
         holder = self.lease.sample.holder if self.lease is not None else ""
         names = {heard.sample.operator for heard in commands if not holder or heard.sample.instance == holder}
         name = names.pop() if len(names) == 1 else ""

@@ -162,7 +162,7 @@ def guard(chain: ChainState) -> Link:
     limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.clearance in ("blocked", "creep")]
     limits += [each.trouble.of(f"{name} is not trusted") for name, each in state.sensors.items() if each.trouble]
     is_told = chain.lease is not None and state.reason == chain.lease.sample.reason
-    own = () if is_told or not state.reason or any(state.reason == each for each in limits) else (state.reason,)
+    own = () if is_told or not state.reason or state.reason in limits else (state.reason,)
     if limits:
         return link_from("guard", "limits", heard, chain.tell("guard", *own, *limits))
     return link_from("guard", "ok", heard, chain.tell("guard", *own) or "no direction is blocked")

@@ -134,8 +134,8 @@ class ParameterServer(Generic[ConfigT]):
             self._log("as saved in %s, not as in the robot file: %s", self._file, self._params.saved)
         if unknown := self._params.unknown:
             told = ", ".join(f"{each} = {saved[each]}" for each in unknown)
-            what = f"no parameter has the name of what was saved: {told} in {self._file}"
-            remedy = f"set that by its name of today and save it, or remove the file, and {restart}"
+            what = f"no parameter has the name of a value that is saved in {self._file}: {told}"
+            remedy = f"set the value under its present name and save it, or remove the file, and {restart}"
             self.fault = self.lost = Trouble(what[:_LONGEST], remedy)
         elif ignored:
             self.fault = Trouble(

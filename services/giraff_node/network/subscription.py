@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any, Final, Generic
 
+import msgspec
 import zenoh
 
 from giraff_core.inbox import Inbox
@@ -28,13 +29,13 @@ class DecodeErrors:
         self._tell = tell
         self._last: dict[str, float] = {}
 
-    def bad(self, key: str, why: str, now: float) -> None:
+    def bad(self, key: str, why: Trouble, now: float) -> None:
         """A payload on `key` could not be read."""
         if key in self._last:
             self._last[key] = now
         elif len(self._last) < MOST:
             self._last[key] = now
-            self._tell(f"decode {key}", Trouble(why[:_LONGEST]))
+            self._tell(f"decode {key}", msgspec.structs.replace(why, what=why.what[:_LONGEST]))
         else:
             self._tell(
                 f"decode more of {self._pattern}",
@@ -69,7 +70,7 @@ class Reader(Generic[SampleT]):
         try:
             sample = decode(self._topic, key, bytes(received.payload), str(received.encoding))
         except DecodeError as error:
-            self._bad_keys.bad(key, str(error), time.monotonic())
+            self._bad_keys.bad(key, error.trouble, time.monotonic())
             return None
         self._bad_keys.good(key, time.monotonic())
         return sample

@@ -31,12 +31,12 @@ def test_a_key_is_named_once_until_it_is_mended() -> None:
     log = Log()
     keys = DecodeErrors(PATTERN, log.set_fault)
     for number in range(100):
-        keys.bad("a", f"fault {number}", 0.1 * number)
+        keys.bad("a", Trouble(f"fault {number}"), 0.1 * number)
         keys.good("a", 0.1 * number)
     assert log.faults == {"decode a": "fault 0"}
     keys.good("a", 9.9 + 2.1)
     assert log.faults == {}
-    keys.bad("a", "again", 13.0)
+    keys.bad("a", Trouble("again"), 13.0)
     assert log.faults == {"decode a": "again"}
 
 
@@ -44,10 +44,10 @@ def test_floods_of_bad_payloads_on_invented_keys_fill_neither_memory_nor_log() -
     log = Log()
     keys = DecodeErrors(PATTERN, log.set_fault)
     for number in range(1000):
-        keys.bad(f"key {number}", "x" * 10_000, 0.0)
+        keys.bad(f"key {number}", Trouble("x" * 10_000), 0.0)
     tracemalloc.start()
     for number in range(1_000, 60_000):
-        keys.bad(f"key {number}", "not MessagePack", 0.0)
+        keys.bad(f"key {number}", Trouble("not MessagePack"), 0.0)
     kept, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert kept < 10_000
@@ -60,9 +60,9 @@ def test_room_is_made_when_a_key_is_mended() -> None:
     log = Log()
     keys = DecodeErrors(PATTERN, log.set_fault)
     for number in range(MOST + 1):
-        keys.bad(f"key {number}", "bad", 0.0)
+        keys.bad(f"key {number}", Trouble("bad"), 0.0)
     assert f"more than {MOST} keys" in log.faults[f"decode more of {PATTERN}"]
     keys.good("key 0", 3.0)
     assert len(log.faults) == MOST - 1
-    keys.bad("key 99", "bad", 3.0)
+    keys.bad("key 99", Trouble("bad"), 3.0)
     assert log.faults["decode key 99"] == "bad"

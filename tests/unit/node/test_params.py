@@ -146,7 +146,7 @@ def test_a_saved_name_that_nobody_knows_or_a_torn_file_may_be_a_lost_limit(
     assert server.fault
     assert server.lost == (server.fault if lost else NO_TROUBLE)
     assert server.fault.remedy.endswith("remove the file, and restart giraff_guard")
-    assert ("gone = 1 in " in server.fault.what) == ("gone" in saved)
+    assert server.fault.what.endswith(": gone = 1") == ("gone" in saved)
 
 
 def test_only_what_is_not_the_robot_files_is_saved(params: Parameters[Config]) -> None:
