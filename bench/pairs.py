@@ -22,11 +22,11 @@ from bench import peers
 from bench.figures import Figures
 from bench.meter import usage
 from bench.stacks import payload_size
-from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import session_config
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.bodies.wheels.known import KNOWN
+from giraff_tools.network.ports import free_port
 
 _SERVICE: Final = {"out": "odometry", "back": "motion"}
 """By the side of a pair, the service whose name it has: one of the robot's own."""

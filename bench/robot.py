@@ -16,11 +16,11 @@ from typing import Any, Final
 from bench.figures import BARE, MEASURED, ROBOT_SIDE, SUM, Figures
 from bench.meter import usage
 from bench.pairs import session_environment
-from giraff_cli.network.ports import free_port
 from giraff_schemas.codec import encode
 from giraff_schemas.services import SERVICES, Service
 from giraff_schemas.topics import ATTITUDE, BUMPER, Topic
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.support.process_robot import ARENA, FULL_TILT, process_robot
 from tests.timing.hand_to_wheel import figures as stage_figures
 from tests.timing.hand_to_wheel import measured

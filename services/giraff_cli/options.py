@@ -18,7 +18,7 @@ def finite(number: float | None) -> float | None:
 
 
 def parsed(read: Callable[[str], float]) -> Callable[[str], float]:
-    """Make an option's parser of a function of `giraff_cli.typed`."""
+    """Make an option's parser of a function of `giraff_tools.typed`."""
 
     def parse(text: str | float) -> float:
         try:

@@ -121,7 +121,7 @@ def _told(error: typer.TyperException, path: str, command: Any, rest: list[str])
     if path == "giraff param set" and ("extra argument" in what or "issing argument" in what):
         what = _setting(rest) or what
     if "extra argument" in what:
-        from giraff_cli.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom
+        from giraff_tools.terminal.program import redirected  # noqa: PLC0415  for what is mistyped, which is seldom
 
         what = redirected(what) or what
         if any("-o" in parameter.opts for parameter in command.params):

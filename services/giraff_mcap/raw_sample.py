@@ -58,7 +58,7 @@ class _Flow:
 class LossCounter:
     """Counts the samples of one key, and by their numbers those that are missing.
 
-    `giraff_cli.network.statistics` tells the late ones from the doubles, too, and rates and ages; it takes several
+    `giraff_tools.network.statistics` tells the late ones from the doubles, too, and rates and ages; it takes several
     times as long for a sample, which a recorder that must cost little does not have, and wants them as they come: a
     file need not.
     """

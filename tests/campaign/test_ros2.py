@@ -19,9 +19,9 @@ from typing import Any, Final
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, ODOM, RANGE, TILT, TRUE_POSE, Topic
+from giraff_tools.network.ports import free_port
 from tests.campaign.ros2 import prepare
 from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE

@@ -18,6 +18,7 @@ _TITLES: Final = {
     "giraff_client": "a script of yours",
     "giraff_cli": "the giraff command",
     "giraff_sim": "world, boards, faults",
+    "giraff_tools": "what commands share",
     _SERVICES: "one package each; none imports another",
     "giraff_keys": "certificates",
     "giraff_maps": "floor plans",

@@ -64,12 +64,12 @@ PLANTED = [
     ("giraff_cli.run.plan", "giraff_web.service"),
     ("giraff_cli.run.plan", "giraff_localization.service"),
     ("giraff_cli.run.plan", "giraff_ros2.main"),
-    ("giraff_client.robot", "giraff_cli.network.connection"),
+    ("giraff_client.robot", "giraff_cli.main"),
     ("giraff_cli.main", "giraff_client"),
     ("giraff_core.robot", "giraff_node.node"),
     ("giraff_cli.why.explain", "giraff_cli.watch.monitor"),
-    ("giraff_telemetry.rate", "giraff_cli.network.ports"),
-    ("giraff_cli.terminal.text", "giraff_cli.network.ports"),
+    ("giraff_telemetry.rate", "giraff_tools.network.ports"),
+    ("giraff_tools.terminal.text", "giraff_tools.network.ports"),
 ]
 CIRCLE = ("giraff_sim.hosts.disk", "giraff_sim.hosts.process")
 

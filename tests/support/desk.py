@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from giraff_cli.network.ports import free_port
+from giraff_tools.network.ports import free_port
 from tests.support.elsewhere import GIRAFF, clean
 from tests.support.waiting import wait
 from tests.support.zygote import run_giraff

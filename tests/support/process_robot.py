@@ -12,7 +12,6 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_cli.network.ports import free_port
 from giraff_cli.run.processes import ProcessGroup
 from giraff_core.estop.latch import RELEASED
 from giraff_core.network import NetworkConfig
@@ -25,6 +24,7 @@ from giraff_sim.board import ROOT
 from giraff_sim.bodies.wheels.known import KNOWN
 from giraff_sim.control.client import SimulatorClient
 from giraff_sim.truth import Level
+from giraff_tools.network.ports import free_port
 from tests.support.cable import Cable
 from tests.support.observer import Observer
 from tests.support.waiting import wait

@@ -9,12 +9,12 @@ from typing import Any
 
 import zenoh
 
-from giraff_cli.network.robot_graph import is_listened_to
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic, alive_key, key_of
+from giraff_tools.network.robot_graph import is_listened_to
 from tests.support.waiting import wait
 
 INSTANCE = "0123456789abcdef"

@@ -12,12 +12,12 @@ from typing import Any
 import pytest
 
 from giraff_cli.estop.client import engage
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.ports import free_port
 from giraff_cli.run.processes import ProcessGroup
 from giraff_core.network import NetworkConfig
 from giraff_health.ask import TIMEOUT
 from giraff_node.network.session import close_session, open_session
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.ports import free_port
 from tests.functional.cli.bases import ROBOT, base
 from tests.functional.cli.test_children import STUBBORN, is_up, start
 from tests.functional.health.answering import answering, check

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
-from giraff_cli.typed import angle_with_unit
+from giraff_tools.typed import angle_with_unit
 
 _METRES: Final[Mapping[str, float]] = {"": 1.0, "mm": 0.001, "cm": 0.01, "m": 1.0}
 _NUMBER: Final = re.compile(r"([+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)) *([a-z]*)")

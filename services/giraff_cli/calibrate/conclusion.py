@@ -20,8 +20,8 @@ from giraff_cli.calibrate.judgement import (
     too_large_a_change,
 )
 from giraff_cli.calibrate.runs import Geometry, Run
-from giraff_cli.robot_file import RobotFileError, record
-from giraff_cli.terminal.page import print_wrapped
+from giraff_tools.robot_file import RobotFileError, record
+from giraff_tools.terminal.page import print_wrapped
 
 DONE: Final = 0
 REFUSED: Final = 1

@@ -11,14 +11,14 @@ from giraff_cli.calibrate.conclusion import UNUSABLE, complain, conclude
 from giraff_cli.calibrate.heard import NetworkWheels, differences
 from giraff_cli.calibrate.procedure import Procedure, WheelSource
 from giraff_cli.calibrate.runs import Geometry
-from giraff_cli.network.command import run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.robot_file import own_robot_file
-from giraff_cli.terminal.document import Report, no_report, print_report
-from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import is_simulated_here, others
+from giraff_tools.network.command import run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.robot_file import own_robot_file
+from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 
 _PATIENCE: Final = 3.0  # s
 

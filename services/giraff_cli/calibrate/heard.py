@@ -6,11 +6,11 @@ import math
 import time
 from typing import Any, Final
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.limits import ask_base
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Sample, Wheels
 from giraff_schemas.topics import WHEELS, Topic
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.limits import ask_base
 
 _PATIENCE: Final = 3.0  # s
 _TURN: Final = 0.02  # s

@@ -9,8 +9,8 @@ from typing import Any, Final, NamedTuple
 from giraff_cli.calibrate.fit import Fit
 from giraff_cli.calibrate.paths import end_errors, heading_errors
 from giraff_cli.calibrate.runs import Geometry, Run
-from giraff_cli.terminal.text import counted
 from giraff_core.kinematics.calibration import Calibration, Scales
+from giraff_tools.terminal.text import counted
 
 _WHEEL_CHANGE: Final = 0.05
 _TRACK_CHANGE: Final = 0.10

@@ -16,8 +16,8 @@ from giraff_cli.calibrate.plausible import driven_fault, end, length, measured_f
 from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_cli.calibrate.variance import SLIP
 from giraff_cli.calibrate.windows import WHOLE, residuals, uncertainty, windows_of
-from giraff_cli.terminal.human import Human
 from giraff_schemas.messages import Wheels
+from giraff_tools.terminal.human import Human
 
 _ODD: Final = 16.3
 """Chi squared of three values, which one run of a thousand exceeds that is measured as well as it should be."""

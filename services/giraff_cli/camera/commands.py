@@ -62,7 +62,7 @@ def print_board(
 
     Print it at 100 %, not fitted to the page, and measure both rulers: 100 mm. Glue it onto something flat and stiff.
     """
-    from giraff_cli.chessboard import drawing  # noqa: PLC0415
+    from giraff_tools.chessboard import drawing  # noqa: PLC0415
 
     if file is None:
         typer.echo(drawing(), nl=False)

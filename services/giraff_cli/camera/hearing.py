@@ -5,8 +5,6 @@ from __future__ import annotations
 import time
 from typing import Final
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
 from giraff_node.network.consent import NoRobotError
@@ -14,6 +12,8 @@ from giraff_node.network.discovery import not_found_text
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.camera import CameraState
 from giraff_schemas.topics import CAMERA_STATE
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.signals import StopSignal
 
 _FIRST_WITHIN: Final = 3.0  # s
 _LOOK_EVERY: Final = 0.05  # s

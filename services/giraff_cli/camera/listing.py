@@ -8,11 +8,11 @@ from typing import Final
 import msgspec
 
 from giraff_cli.camera.hearing import hear_cameras
-from giraff_cli.network.command import run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.page import print_json, print_table, shown
-from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.camera import Asker, CameraState
+from giraff_tools.network.command import run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.page import print_json, print_table, shown
+from giraff_tools.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _DONE: Final = 0

@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import Final
 
 from giraff_cli.camera.hearing import hear_cameras
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.picture_subscriber import PictureSubscriber
-from giraff_cli.terminal.page import print_json
-from giraff_cli.terminal.signals import StopSignal
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.picture_choice import PictureChoice
 from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.text import printable
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.picture_subscriber import PictureSubscriber
+from giraff_tools.terminal.page import print_json
+from giraff_tools.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _MEET: Final = 0.5  # s after the first camera in which all others are heard

@@ -8,15 +8,15 @@ import sys
 import time
 from typing import Any, Final
 
-from giraff_cli.network.command import print_error
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.picture_subscriber import PictureSubscriber
-from giraff_cli.network.ports import free_port
-from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.messages import Sample, Tick
 from giraff_schemas.topics import TICK, Topic
+from giraff_tools.network.command import print_error
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.picture_subscriber import PictureSubscriber
+from giraff_tools.network.ports import free_port
+from giraff_tools.terminal.signals import StopSignal
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show, require_screen
 from giraff_viewer.window import ViewerError, Window

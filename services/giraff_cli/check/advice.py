@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from giraff_cli.check.quadrature import FEWEST, Channel, Figures
-from giraff_cli.terminal.text import counted
 from giraff_schemas.trouble import Trouble
+from giraff_tools.terminal.text import counted
 
 # The board counts each change of A by the level of B at that moment, so no edge of B may come near one of A. Ideally
 # they are a quarter of a pair apart. With both of these limits used up, a ninth is left: 90 - 20 - 0.08 * 360 = 41 of

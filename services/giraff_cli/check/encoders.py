@@ -17,16 +17,16 @@ from giraff_cli.check.listener import Listener, MuteBoardError
 from giraff_cli.check.quadrature import Channel, Figures, analyse
 from giraff_cli.check.traces import Trace, drawing, traces
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Side
-from giraff_cli.terminal.document import Report, print_report
-from giraff_cli.terminal.dots import takes_dots
-from giraff_cli.terminal.fresh_file import require_fresh, write_fresh
-from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.page import print_table, print_wrapped
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Latch, Wiring
 from giraff_schemas.wires.transitions import FRAME_CLASSES
+from giraff_tools.terminal.document import Report, print_report
+from giraff_tools.terminal.dots import takes_dots
+from giraff_tools.terminal.fresh_file import require_fresh, write_fresh
+from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.page import print_table, print_wrapped
 
 _DRIVE_TIME: Final = 4.0  # s, 0.8 m at 0.2 m/s: a turn of a disk on the wheel's own shaft, many of one on the motor's
 _HEADINGS: Final = ("wheel", ">phase", ">A high", ">B high", ">A missing", ">B missing", ">pair")

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from giraff_cli.check.quadrature import Figures
 from giraff_cli.check.transitions import CHANNELS, Run, levels_between
-from giraff_cli.terminal.dots import ACROSS, Dots
+from giraff_tools.terminal.dots import ACROSS, Dots
 
 _PAIRS: Final = 6.0
 _COLUMNS: Final = 72

@@ -32,11 +32,11 @@ from giraff_cli.check.wiring import (
     require_right,
     wiring_of,
 )
-from giraff_cli.robot_file import RobotFileError, before_today, record, still_overriding
-from giraff_cli.terminal.document import Report, print_report
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.wire import Latch, Wiring
+from giraff_tools.robot_file import RobotFileError, before_today, record, still_overriding
+from giraff_tools.terminal.document import Report, print_report
 
 AnswerT = TypeVar("AnswerT", bound=str)
 

@@ -16,11 +16,6 @@ from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
 from giraff_cli.doctor.machine import CORRECT_IT, geometry_of, look_at_boards, look_at_machine, wiring_problem
 from giraff_cli.doctor.probe import call_all, call_pages, has_free_port
 from giraff_cli.doctor.robot import listen
-from giraff_cli.network.command import print_error
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.interfaces import is_own
-from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.text import counted
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.consent import NoRobotError
@@ -33,6 +28,11 @@ from giraff_node.network.tokens import list_robots
 from giraff_schemas.services import BASE, WEB
 from giraff_schemas.text import printable
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_tools.network.command import print_error
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.interfaces import is_own
+from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.text import counted
 
 FoundT = TypeVar("FoundT")
 

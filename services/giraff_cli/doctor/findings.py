@@ -18,9 +18,6 @@ from giraff_cli.doctor.inspection import (
     Robot,
     as_lines,
 )
-from giraff_cli.network.interfaces import no_network
-from giraff_cli.network.versions import version_trouble
-from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS, IPV4_ALONE
@@ -29,6 +26,9 @@ from giraff_schemas.actions import ANY
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, ROS2, RUN, SERVICES
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.describe import START_A_HAND
+from giraff_tools.network.interfaces import no_network
+from giraff_tools.network.versions import version_trouble
+from giraff_tools.terminal.text import json_page
 
 Severity = Literal["fault", "warning", "note"]
 

@@ -6,11 +6,11 @@ from typing import Any, Final, Literal
 
 import msgspec
 
-from giraff_cli.network.interfaces import Interface
 from giraff_core.kinematics.calibration import Calibration
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_tools.network.interfaces import Interface
 
 Outcome = Literal["answers", "refused", "silent", "no way", "no name", "untrusted"]
 """Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `no name`: the host's

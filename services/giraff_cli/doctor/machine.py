@@ -16,7 +16,6 @@ import msgspec
 
 from giraff_base.config import BaseConfig
 from giraff_cli.doctor.inspection import Disk, Geometry, Machine, Port
-from giraff_cli.network.interfaces import interfaces, ipv6_alone
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
@@ -30,6 +29,7 @@ from giraff_node.process.version import version
 from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, RUN, SERVICES
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_tools.network.interfaces import interfaces, ipv6_alone
 
 _HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
 _TURN: Final = 0.01  # s

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from giraff_cli.doctor.inspection import Machine, Outcome, Probe
-from giraff_cli.network.interfaces import Interface, on_link
 from giraff_core.network import NetworkConfig, host_and_port, ports_of, with_port
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
 from giraff_node.network.reach import address_fault
+from giraff_tools.network.interfaces import Interface, on_link
 from giraff_web.config import WebConfig
 
 _ANSWER_WITHIN: Final = 1.0  # s

@@ -11,7 +11,6 @@ import msgspec
 import zenoh
 
 from giraff_cli.doctor.inspection import Geometry, GeometryInUse, HealthReply, Rate, Robot
-from giraff_cli.network.connection import RobotConnection
 from giraff_core.sensors import ULTRASONIC
 from giraff_node import robot_now_ns
 from giraff_node.network.replies import ask_all
@@ -36,6 +35,7 @@ from giraff_schemas.topics import (
     key_of,
 )
 from giraff_telemetry.collector import Snapshot, Telemetry
+from giraff_tools.network.connection import RobotConnection
 
 MAKERS: Final[dict[Topic[Any], str]] = {
     topic: service.name

@@ -7,9 +7,6 @@ import threading
 from collections.abc import Sequence
 from typing import Final
 
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.limits import ask_limits
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.main import leave, run_keyboard, terminal_fault
 from giraff_node import Node
@@ -17,6 +14,9 @@ from giraff_node.config.settings import Settings
 from giraff_node.network.hand import open_hand
 from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.services import BASE, KEYBOARD
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.limits import ask_limits
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found
 

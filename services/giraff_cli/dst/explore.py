@@ -6,12 +6,12 @@ import time
 
 from rich.console import Console
 
-from giraff_cli.terminal.page import print_json
-from giraff_cli.terminal.progress import Progress
 from giraff_sim.dst.many import Totals, run_many
 from giraff_sim.dst.marks import unreached
 from giraff_sim.dst.scenarios import KINDS
 from giraff_sim.dst.simulated_run import SECONDS, Outcome
+from giraff_tools.terminal.page import print_json
+from giraff_tools.terminal.progress import Progress
 
 _FAILED = 1  # exit code
 

@@ -8,9 +8,9 @@ from typing import Final
 import msgspec
 import typer
 
-from giraff_cli.terminal.fresh_file import write_fresh
-from giraff_cli.terminal.page import print_json
 from giraff_core.encoder.disk import Disk, drawing
+from giraff_tools.terminal.fresh_file import write_fresh
+from giraff_tools.terminal.page import print_json
 
 _COMMAND: Final = "giraff encoder disk"
 

@@ -13,8 +13,6 @@ from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.program import called_here
 from giraff_core.estop.request import BOARD_NOTE, BY_WORD, not_off
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
@@ -26,6 +24,8 @@ from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, key_of
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.program import called_here
 
 if TYPE_CHECKING:
     from giraff_cli.estop.witness import Witness

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from giraff_cli.estop.client import Result
-    from giraff_cli.network.connection import RobotConnection
+    from giraff_tools.network.connection import RobotConnection
 
 
 _STOP: Final = "engage"
@@ -101,7 +101,7 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0, 
     Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
     """
     from giraff_cli.estop import client  # noqa: PLC0415
-    from giraff_cli.network.user import user_at_host  # noqa: PLC0415
+    from giraff_tools.terminal.program import user_at_host  # noqa: PLC0415
 
     def act(connection: RobotConnection) -> Result:
         return client.reset(connection, user_at_host(), timeout)
@@ -130,7 +130,7 @@ def _report(
     as_json: bool,
 ) -> None:
     from giraff_cli.estop.engage import print_result  # noqa: PLC0415
-    from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
+    from giraff_tools.network.command import run_with_robot  # noqa: PLC0415
 
     def say(connection: RobotConnection) -> int:
         return print_result(act(connection), as_json=as_json)

@@ -14,17 +14,16 @@ from typing import Any, Final
 from giraff_cli.estop import client
 from giraff_cli.estop.page import PageStop, Place, place_of
 from giraff_cli.estop.plan import StopPlan, plan_stop
-from giraff_cli.network.command import UNUSABLE, UnopenedError, print_error, visit
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.user import user_at_host
-from giraff_cli.terminal.output import discard_stdout
-from giraff_cli.terminal.program import called_here
-from giraff_cli.terminal.text import json_line
 from giraff_core.network import host_and_port
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.query_client import engaging
 from giraff_node.network.reach import address_fault
 from giraff_schemas.text import meant, printable_lines
+from giraff_tools.network.command import UNUSABLE, UnopenedError, print_error, visit
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.output import discard_stdout
+from giraff_tools.terminal.program import called_here, user_at_host
+from giraff_tools.terminal.text import json_line
 
 _LOOK: Final = 0.05  # s
 _HINT_AFTER: Final = 1.0  # s; a robot that is there has mostly confirmed by then

@@ -16,9 +16,9 @@ from urllib.parse import urlsplit
 import msgspec
 
 from giraff_cli.estop.client import OtherWay
-from giraff_cli.network.pages import kept_pages
 from giraff_node.network.query_client import EStopClient
 from giraff_schemas.text import printable
+from giraff_tools.network.pages import kept_pages
 
 _HEAD_START: Final = 0.5  # s that Zenoh has alone
 _ATTEMPT: Final = 1.5  # s; the page waits up to 1 s for base's word

@@ -16,9 +16,6 @@ from typing import Any, Final, NamedTuple
 import msgspec
 
 from giraff_cli.estop.salvage import Readable, has_bundle, read_what_is_left
-from giraff_cli.network.command import not_all_counts
-from giraff_cli.network.pages import kept_pages
-from giraff_cli.terminal.program import called_here
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import (
     DEFAULT_FILE,
@@ -28,6 +25,9 @@ from giraff_node.config.robot_file import (
     expects_robot_file,
 )
 from giraff_node.network.discovery import Target, name_of, named, resolve_target, target_of
+from giraff_tools.network.command import not_all_counts
+from giraff_tools.network.pages import kept_pages
+from giraff_tools.terminal.program import called_here
 
 _NAME, _HOST, _ADDRESS = "NAME", "HOST", "ADDRESS"
 _MEANING: Final = {

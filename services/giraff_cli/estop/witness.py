@@ -9,9 +9,9 @@ from typing import Final
 
 import zenoh
 
-from giraff_cli.network.connection import RobotConnection
 from giraff_node.network.query_client import EStopClient
 from giraff_schemas.requests import EStopEngage
+from giraff_tools.network.connection import RobotConnection
 
 _WITHIN: Final = 0.5  # s in which a base of this host has told its word, or there is none
 _TURN: Final = 0.01  # s

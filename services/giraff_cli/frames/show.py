@@ -10,11 +10,6 @@ from typing import Final, NamedTuple
 
 from giraff_cli.frames.picture import draw
 from giraff_cli.frames.tree import Frames, dot, faults_of, pose_text, tree_of
-from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.robot_graph import GraphMonitor
-from giraff_cli.terminal.page import Page, print_json
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.kinematics.frame_errors import FrameError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
 from giraff_node.network.replies import ask_all
@@ -22,6 +17,11 @@ from giraff_node.process.state import write_file_durably
 from giraff_schemas.frames import Transform
 from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import frame_key
+from giraff_tools.network.command import UNUSABLE, print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.robot_graph import GraphMonitor
+from giraff_tools.terminal.page import Page, print_json
+from giraff_tools.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _SETTLED: Final = 0.5  # s after the first answer

@@ -9,9 +9,9 @@ import msgspec
 from rich.text import Text
 from rich.tree import Tree
 
-from giraff_cli.terminal.graphviz import quoted
 from giraff_schemas.frames import Transform
 from giraff_schemas.text import printable
+from giraff_tools.terminal.text import quoted
 
 
 class Frames(msgspec.Struct, frozen=True, kw_only=True):

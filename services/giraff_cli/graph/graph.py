@@ -7,13 +7,13 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.network.command import run_with_robot
-from giraff_cli.network.header_subscriber import HeaderSubscriber
-from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
-from giraff_cli.terminal.graphviz import quoted
-from giraff_cli.terminal.page import print_json, print_table
-from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.text import printable_lines
+from giraff_tools.network.command import run_with_robot
+from giraff_tools.network.header_subscriber import HeaderSubscriber
+from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph
+from giraff_tools.terminal.page import print_json, print_table
+from giraff_tools.terminal.signals import StopSignal
+from giraff_tools.terminal.text import quoted
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 

@@ -7,8 +7,6 @@ import secrets
 import time
 from typing import Final, NamedTuple
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.user import user_at_host
 from giraff_core.kinematics.pose import Pose
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
@@ -18,6 +16,8 @@ from giraff_schemas.localization import LocalizationAnswer, LocalizationGlobal, 
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key
 from giraff_telemetry.localization import place_text
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.program import user_at_host
 
 DONE: Final = 0
 REFUSED: Final = 1

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Final, NoReturn
 
 import typer
 
-from giraff_cli import typed
 from giraff_cli.options import AsJson, Connect, Ending, Robot, require_extra
+from giraff_tools import typed
 
 if TYPE_CHECKING:
     from giraff_core.kinematics.pose import Pose

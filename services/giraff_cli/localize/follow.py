@@ -11,12 +11,12 @@ from typing import Final
 from giraff_cli.localize.client import DONE, ask, require_there
 from giraff_cli.localize.hearing import Hearing
 from giraff_cli.localize.lines import screen_of
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.page import print_json
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.page import print_json
+from giraff_tools.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and for an answer
 _TURN: Final = 0.1  # s

@@ -8,13 +8,13 @@ from typing import Any, Final
 
 from giraff_cli.localize.lines import PoseScreen
 from giraff_cli.localize.view import PoseView
-from giraff_cli.network.connection import RobotConnection
 from giraff_core.latest import Latest
 from giraff_maps.floor_plan import FloorPlan
 from giraff_node import robot_now_ns
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import POSE, Topic
+from giraff_tools.network.connection import RobotConnection
 
 _SHOW_EVERY: Final = 0.1  # s, while nothing is said
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final, Protocol
 
 from giraff_cli.localize.view import PoseView, document
-from giraff_cli.terminal.screen import Terminal, open_screen
-from giraff_cli.terminal.text import json_line
 from giraff_schemas.text import printable
+from giraff_tools.terminal.screen import Terminal, open_screen
+from giraff_tools.terminal.text import json_line
 
 _QUIET: Final = 1.0  # s between two lines that only say that it has moved
 

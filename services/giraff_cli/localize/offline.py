@@ -12,10 +12,6 @@ from giraff_cli.localize.client import DONE, REFUSED
 from giraff_cli.localize.floor import floor_of
 from giraff_cli.localize.recorded import RecordedDrive
 from giraff_cli.localize.summary import summarize, to_json, to_text
-from giraff_cli.network.command import print_error
-from giraff_cli.terminal.progress import Progress
-from giraff_cli.terminal.screen import say
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_localization.config import LocalizationConfig
@@ -29,6 +25,10 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import ODOM, RANGE, TRUE_POSE
 from giraff_sim.world.room import Room, RoomError, read_room
+from giraff_tools.network.command import print_error
+from giraff_tools.terminal.progress import Progress
+from giraff_tools.terminal.screen import say
+from giraff_tools.terminal.signals import StopSignal
 
 _LOOK_EVERY: Final = 100  # samples
 _INCOMPLETE: Final = 1

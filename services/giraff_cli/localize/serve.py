@@ -12,10 +12,6 @@ from giraff_cli.localize.client import DONE, REFUSED, require_none, told_pose
 from giraff_cli.localize.floor import floor_of
 from giraff_cli.localize.hearing import Hearing
 from giraff_cli.localize.lines import screen_of
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.limits import ask_limits
-from giraff_cli.terminal.output import discard_stdout
 from giraff_core.io import Selectable
 from giraff_core.kinematics.pose import Pose
 from giraff_core.retry import RetriedRequest
@@ -30,6 +26,10 @@ from giraff_node.config.settings import Settings
 from giraff_schemas.localization import LocalizationAnswer
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import LOCALIZATION_SET_POSE
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.limits import ask_limits
+from giraff_tools.terminal.output import discard_stdout
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found
 

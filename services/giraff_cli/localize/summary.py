@@ -8,7 +8,6 @@ from typing import Final
 import msgspec
 
 from giraff_cli.localize.recorded import RecordedDrive
-from giraff_cli.terminal.text import json_page
 from giraff_schemas.text import printable
 from giraff_telemetry.localization_error import LocalizationErrors
 from giraff_telemetry.localization_summary import (
@@ -17,6 +16,7 @@ from giraff_telemetry.localization_summary import (
     localization_rows,
     summarize_localization,
 )
+from giraff_tools.terminal.text import json_page
 
 _LABEL: Final = 15  # characters
 _INDENT: Final = " " * (_LABEL + 2)

@@ -12,13 +12,13 @@ import msgspec
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from giraff_cli.terminal.dots import takes_dots
-from giraff_cli.terminal.floor import FloorDrawing
 from giraff_core.latest import Latest
 from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.localization import MapPose
 from giraff_schemas.text import printable
 from giraff_telemetry.localization import pose_text
+from giraff_tools.terminal.dots import takes_dots
+from giraff_tools.terminal.floor import FloorDrawing
 
 _FIGURES: Final = re.compile(r"\d+")
 _STYLE: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "red", "no_map": "red"}

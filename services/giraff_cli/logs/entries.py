@@ -10,9 +10,9 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.terminal.service_log import LAST_MOMENT, Entry, moment_of, read_entry
-from giraff_cli.terminal.text import json_line
 from giraff_schemas.text import printable
+from giraff_tools.terminal.service_log import LAST_MOMENT, Entry, moment_of, read_entry
+from giraff_tools.terminal.text import json_line
 
 _UNIT: Final = re.compile(r"giraff@(.+)\.service")
 _BY_PRIORITY: Final = ("critical", "critical", "critical", "error", "warning", "info", "info", "debug")

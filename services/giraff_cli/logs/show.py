@@ -14,12 +14,12 @@ from typing import Final
 
 from giraff_cli.logs.entries import Merge, json_of, line_of, run_text, since_moment
 from giraff_cli.logs.sources import SOURCES, LogFile, Program, Stream, Wanted
-from giraff_cli.terminal.output import DONE, guard_stdout, is_drawn_on
-from giraff_cli.terminal.service_log import LEVELS, Entry
-from giraff_cli.terminal.signals import StopSignal
 from giraff_node.config.robot_file import suggestion
 from giraff_schemas.services import SERVICES
 from giraff_schemas.text import printable
+from giraff_tools.terminal.output import DONE, guard_stdout, is_drawn_on
+from giraff_tools.terminal.service_log import LEVELS, Entry
+from giraff_tools.terminal.signals import StopSignal
 
 _REFUSED: Final = 2
 _LOOK_EVERY: Final = 0.2  # s

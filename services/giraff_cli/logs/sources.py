@@ -14,9 +14,9 @@ from typing import Final, NamedTuple
 
 from giraff_cli.logs.entries import container_entry, journal_entry
 from giraff_cli.run.directory import run_directories
-from giraff_cli.terminal.service_log import Entry, read_entry
 from giraff_schemas.services import SERVICES
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_tools.terminal.service_log import Entry, read_entry
 
 _CHUNK: Final = 65_536  # bytes
 _LONGEST: Final = 1 << 20  # bytes of a line; a longer one is cut there

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from giraff_cli.network.command import print_error
-from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.page import print_json
 from giraff_maps.floor_plan import MapError
 from giraff_maps.grid_write import write_grid
+from giraff_tools.network.command import print_error
+from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.page import print_json
 
 
 def convert(room: Path, out: Path, resolution: float, *, as_json: bool = False) -> int:

@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import Final
 
 from giraff_cli.map.picture import picture
-from giraff_cli.network.command import print_error
-from giraff_cli.terminal.dots import takes_dots
-from giraff_cli.terminal.floor import FloorDrawing
-from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.page import print_json
-from giraff_cli.terminal.text import counted
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_maps.read import read_map
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import printable
+from giraff_tools.network.command import print_error
+from giraff_tools.terminal.dots import takes_dots
+from giraff_tools.terminal.floor import FloorDrawing
+from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.page import print_json
+from giraff_tools.terminal.text import counted
 
 _PIPE: Final = (80, 43)  # columns and lines where there is no terminal
 _WIDEST: Final = 120  # columns

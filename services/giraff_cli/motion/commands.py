@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from giraff_cli import typed
 from giraff_cli.options import AsJson, Connect, Robot, finite, parsed
+from giraff_tools import typed
 
 if TYPE_CHECKING:
     from giraff_node.motion_client import Wish
@@ -171,7 +171,7 @@ def _perform(
 ) -> None:
     from giraff_cli.motion.pattern import PatternError  # noqa: PLC0415
     from giraff_cli.motion.perform import perform  # noqa: PLC0415
-    from giraff_cli.network.command import print_error  # noqa: PLC0415
+    from giraff_tools.network.command import print_error  # noqa: PLC0415
 
     try:
         wished = wish()

@@ -8,12 +8,12 @@ from typing import Any, Final, Literal
 import msgspec
 
 from giraff_cli.motion.steps import arc, move, turn
-from giraff_cli.typed import angle
 from giraff_core.toml_kinds import PATTERN, wrong_kind
 from giraff_node.config.robot_file import parse_toml
 from giraff_node.motion_client import Wish
 from giraff_schemas.motion import GoTo, Step
 from giraff_schemas.text import plain
+from giraff_tools.typed import angle
 
 _MOST: Final = 1_000_000  # bytes; more is no pattern
 _KINDS: Final = 'move = 2.0, turn = "180deg", arc = {radius = 1.0, angle = "90deg"} or go_to = [1.0, 0.0]'

@@ -8,13 +8,6 @@ from contextlib import closing, suppress
 from typing import Final
 
 from giraff_cli.motion.view import MotionView, describe, document
-from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
-from giraff_cli.network.connection import MovedError, RobotConnection
-from giraff_cli.network.user import user_at_host
-from giraff_cli.terminal.output import discard_stdout
-from giraff_cli.terminal.page import print_json
-from giraff_cli.terminal.screen import NullScreen, Screen, open_screen
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.latest import LatestSamples
 from giraff_core.motion.result import MotionResult
 from giraff_node import robot_now_ns
@@ -25,6 +18,13 @@ from giraff_node.network.tokens import list_robots
 from giraff_schemas.localization import MapPose
 from giraff_schemas.motion import GoTo
 from giraff_schemas.topics import POSE
+from giraff_tools.network.command import UNUSABLE, print_error, run_with_robot
+from giraff_tools.network.connection import MovedError, RobotConnection
+from giraff_tools.terminal.output import discard_stdout
+from giraff_tools.terminal.page import print_json
+from giraff_tools.terminal.program import user_at_host
+from giraff_tools.terminal.screen import NullScreen, Screen, open_screen
+from giraff_tools.terminal.signals import StopSignal
 
 ARRIVED: Final = 0
 ENDED: Final = 1

@@ -7,14 +7,14 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
-from giraff_cli.terminal.page import print_json, print_table
-from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import duration
 from giraff_schemas.health import Health
 from giraff_schemas.text import meant
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph
+from giraff_tools.terminal.page import print_json, print_table
+from giraff_tools.terminal.signals import StopSignal
+from giraff_tools.terminal.text import duration
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _WELL: Final = 0

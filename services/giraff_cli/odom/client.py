@@ -7,8 +7,6 @@ import secrets
 import time
 from typing import Final, NamedTuple
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.user import user_at_host
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
@@ -17,6 +15,8 @@ from giraff_node.network.query_client import QueryClient
 from giraff_schemas.messages import Odometry
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, Query, RequestT
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.program import user_at_host
 
 DONE: Final = 0
 REFUSED: Final = 1

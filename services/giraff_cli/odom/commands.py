@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from giraff_cli import typed
 from giraff_cli.options import NEGATIVE, AsJson, Connect, Robot, finite, parsed
 from giraff_schemas.text import printable
+from giraff_tools import typed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from giraff_cli.network.connection import RobotConnection
     from giraff_cli.odom.client import Result
     from giraff_core.kinematics.pose import Pose
+    from giraff_tools.network.connection import RobotConnection
 
 odom = typer.Typer(no_args_is_help=True, help="Tell odometry where the robot is.")
 
@@ -60,8 +60,8 @@ def set_pose(
 
     Exit code: 0 done; 1 refused, with the reason; 2 no robot, or nobody has answered.
     """
-    from giraff_cli.network.command import print_error  # noqa: PLC0415
     from giraff_cli.odom import client  # noqa: PLC0415
+    from giraff_tools.network.command import print_error  # noqa: PLC0415
 
     try:
         place = _pose(pose)
@@ -96,8 +96,8 @@ def _report(
     *,
     as_json: bool,
 ) -> None:
-    from giraff_cli.network.command import print_error, run_with_robot  # noqa: PLC0415
-    from giraff_cli.terminal.page import print_json  # noqa: PLC0415
+    from giraff_tools.network.command import print_error, run_with_robot  # noqa: PLC0415
+    from giraff_tools.terminal.page import print_json  # noqa: PLC0415
 
     def say(connection: RobotConnection) -> int:
         result = act(connection)

@@ -8,11 +8,7 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.user import user_at_host
 from giraff_cli.param.format import Shown, as_objects, differing, values
-from giraff_cli.terminal.page import print_json
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
 from giraff_node.network.query_client import QueryClient
@@ -22,6 +18,10 @@ from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSe
 from giraff_schemas.services import ANSWERING
 from giraff_schemas.text import meant, near, plain, printable
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
+from giraff_tools.network.command import UNUSABLE, print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.page import print_json
+from giraff_tools.terminal.program import user_at_host
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services to answer
 _SAVE_PATIENCE: Final = 10.0  # s, for a slow disk

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, Final, NamedTuple
 
-from giraff_cli.terminal.page import print_table, print_wrapped
 from giraff_schemas.params import Param
 from giraff_schemas.text import printable
+from giraff_tools.terminal.page import print_table, print_wrapped
 
 _SHARED: Final = "robot."
 _MAY: Final = {

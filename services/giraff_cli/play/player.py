@@ -12,13 +12,7 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.command import print_error, run_on_network
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.topic_keys import UnknownKeyError, all_below_robot, find_topic, publish_refusal
 from giraff_cli.play.reader import Reader, RecordedSample
-from giraff_cli.terminal.progress import Progress
-from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import json_line
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.unread import Unread
 from giraff_node.network.consent import NoRobotError, print_notice
@@ -26,6 +20,12 @@ from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.services import PLAY
 from giraff_schemas.text import meant
 from giraff_schemas.topics import alive_key, key_below
+from giraff_tools.network.command import print_error, run_on_network
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.topic_keys import UnknownKeyError, all_below_robot, find_topic, publish_refusal
+from giraff_tools.terminal.progress import Progress
+from giraff_tools.terminal.signals import StopSignal
+from giraff_tools.terminal.text import json_line
 
 _MEET_WITHIN: Final = 1.0  # s, to meet who listens, and a robot of this name
 _LOOK_EVERY_NS: Final = 200_000_000

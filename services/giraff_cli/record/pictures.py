@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from typing import Final
 
-from giraff_cli.network.command import print_error
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.picture_subscriber import PictureSubscriber
-from giraff_cli.terminal.signals import StopSignal
 from giraff_mcap.raw_sample import RawSample
 from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.topics import CAMERA_STATE, key_of
+from giraff_tools.network.command import print_error
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.picture_subscriber import PictureSubscriber
+from giraff_tools.terminal.signals import StopSignal
 
 _TURN: Final = 0.015  # s; the quickest camera takes 60 pictures a second
 

@@ -15,13 +15,9 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.command import print_error, run_on_network
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.topic_keys import UnknownKeyError, all_below_robot
 from giraff_cli.record.parameters import RecordedParameters
 from giraff_cli.record.pictures import NoPictures, RecordedPictures
 from giraff_cli.record.report import Report, told
-from giraff_cli.terminal.signals import StopSignal
 from giraff_mcap.metadata import ASKED, metadata_of
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
@@ -30,6 +26,10 @@ from giraff_node.network.discovery import RobotMonitor, not_found_text, select_r
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.text import meant, printable
 from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, key_below
+from giraff_tools.network.command import print_error, run_on_network
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.topic_keys import UnknownKeyError, all_below_robot
+from giraff_tools.terminal.signals import StopSignal
 
 _LOOK_EVERY: Final = 0.2  # s
 _SYNC_EVERY: Final = 0.4  # s; with a slow write still less than the second that a crash may cost

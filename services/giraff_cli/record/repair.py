@@ -6,11 +6,11 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.network.command import print_error
 from giraff_cli.record.report import Report, told
-from giraff_cli.terminal.progress import Progress
 from giraff_mcap.reading import RecordingError
 from giraff_mcap.repair import repair as repair_into
+from giraff_tools.network.command import print_error
+from giraff_tools.terminal.progress import Progress
 
 _IS_MISSING: Final = 1
 

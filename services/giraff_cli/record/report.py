@@ -9,11 +9,11 @@ import msgspec
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.terminal.text import json_page
 from giraff_mcap.raw_sample import Count
 from giraff_mcap.unread import Unread
 from giraff_mcap.writing import RecordingWriter
 from giraff_telemetry.console import CleanConsole
+from giraff_tools.terminal.text import json_page
 
 
 class Report(msgspec.Struct, frozen=True, kw_only=True):

@@ -11,10 +11,8 @@ import msgspec
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.network.command import print_error
 from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.policies import SETTLES, RecordedSamples, replay_guard, replay_odometry
-from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.metadata import ASKED
@@ -28,6 +26,8 @@ from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import CAMERA_PICTURES, VISUAL_ODOM, topic_of
 from giraff_telemetry.console import CleanConsole
+from giraff_tools.network.command import print_error
+from giraff_tools.terminal.text import json_page
 
 _AGREES = 0
 _DIFFERS = 1

@@ -8,10 +8,6 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.limits import ask_limits
-from giraff_cli.terminal.output import discard_stdout
 from giraff_node import Node
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, read
 from giraff_node.config.settings import Settings
@@ -20,6 +16,10 @@ from giraff_node.network.hand import open_hand
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.main import run_ros2
 from giraff_schemas.services import ROS2
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.limits import ask_limits
+from giraff_tools.terminal.output import discard_stdout
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found
 _DONE: Final = 0

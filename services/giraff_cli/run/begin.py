@@ -10,17 +10,11 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.interfaces import interfaces
-from giraff_cli.network.ports import claim, free_port
 from giraff_cli.run.directory import RunDirectory, remove_run_sockets
 from giraff_cli.run.invitation import Invitation, invite
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.runner import DONE, FAILED, Run
 from giraff_cli.run.simulated_robot import SimulatedRobot
-from giraff_cli.terminal.program import called_anywhere
-from giraff_cli.terminal.screen import say
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import is_simulated_here
@@ -29,6 +23,12 @@ from giraff_node.network.session import open_session
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.services import RUN
 from giraff_schemas.text import printable_lines
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.interfaces import interfaces
+from giraff_tools.network.ports import claim, free_port
+from giraff_tools.terminal.program import called_anywhere
+from giraff_tools.terminal.screen import say
+from giraff_tools.terminal.signals import StopSignal
 
 _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from giraff_cli.network.interfaces import Interface
 from giraff_core.network import NetworkConfig
+from giraff_tools.network.interfaces import Interface
 
 _VERBS = (("drive",), ("stop",), ("why",), ("watch",))
 

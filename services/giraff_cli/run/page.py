@@ -9,9 +9,9 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.terminal.addresses import CodeScreen, with_loopback
 from giraff_core.kinematics.pose import Pose
 from giraff_sim.world.room import Room
+from giraff_tools.terminal.addresses import CodeScreen, with_loopback
 from giraff_web.messages import Room as Walls
 
 ROOM_FILE: Final = "room.json"

@@ -15,7 +15,6 @@ from typing import Literal, get_args, get_type_hints
 import tomlkit
 
 from giraff_camera.config import CameraConfig, camera_of
-from giraff_cli.network.ports import port_or_any
 from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
@@ -34,6 +33,7 @@ from giraff_sim.settings import Settings
 from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world.hand import ScriptError
 from giraff_sim.world.room import RoomError, read_room
+from giraff_tools.network.ports import port_or_any
 from giraff_vision.config import VisionConfig
 from giraff_web.config import WebConfig
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.terminal.service_log import cause_of
+from giraff_tools.terminal.service_log import cause_of
 
 _LAUNCH: Final = Path(__file__).with_name("launch.py")
 _POLL: Final = 0.01  # s between looks at processes that are about to end

@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from giraff_cli.network.connection import RobotConnection
 from giraff_cli.run.announcer import Announcer
 from giraff_cli.run.demonstration import DRIVES, FLAT, Demonstration
 from giraff_cli.run.driver import Driver
@@ -26,10 +25,6 @@ from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
-from giraff_cli.terminal import addresses
-from giraff_cli.terminal.keys import Keys
-from giraff_cli.terminal.screen import LineScreen, NullScreen, Screen, Terminal, as_svg, open_screen, say
-from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
 from giraff_node.network.query_client import EStopClient, QueryClient, request_estop
 from giraff_node.process.state import write_file_durably
@@ -41,6 +36,11 @@ from giraff_schemas.topics import LEASE, LOCALIZATION_SET_POSE, POSE, TOPICS, TR
 from giraff_sim.control.client import SimulatorError
 from giraff_sim.world.room import read_room
 from giraff_telemetry.layout import ServiceStatus
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal import addresses
+from giraff_tools.terminal.keys import Keys
+from giraff_tools.terminal.screen import LineScreen, NullScreen, Screen, Terminal, as_svg, open_screen, say
+from giraff_tools.terminal.signals import StopSignal
 
 
 class Joystick:

@@ -12,7 +12,6 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.run.telemetry import RunSnapshot
-from giraff_cli.terminal.addresses import CodeScreen
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
 from giraff_telemetry import panels as blocks
@@ -20,6 +19,7 @@ from giraff_telemetry.describe import base_text, forward_text, localization_text
 from giraff_telemetry.layout import HEADING, NONE, ServiceStatus, beside, block, clock, header, notice, right, services
 from giraff_telemetry.panels import dim
 from giraff_telemetry.visual_odometry import visual_text
+from giraff_tools.terminal.addresses import CodeScreen
 
 
 def line(snapshot: RunSnapshot, elapsed: float) -> str:

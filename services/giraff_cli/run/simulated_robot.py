@@ -16,7 +16,6 @@ from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.page import ROOM_FILE, Page, write_room
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.processes import Ended, ProcessGroup
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
@@ -26,6 +25,7 @@ from giraff_schemas.text import plain
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 from giraff_sim.world.room import read_room
+from giraff_tools.terminal.signals import StopSignal
 
 SIMULATOR: Final = "simulator"
 _CAMERA: Final = "simulated-camera"

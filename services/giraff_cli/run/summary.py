@@ -9,7 +9,6 @@ import msgspec
 
 from giraff_cli.run.odometry_error import OdometryError
 from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
-from giraff_cli.terminal.text import counted, json_page
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Odometry
@@ -19,6 +18,7 @@ from giraff_sim.truth import Level, TrueCamera
 from giraff_sim.truth import Truth as Drawn
 from giraff_telemetry.localization_summary import LocalizationSummary, localization_rows
 from giraff_telemetry.visual_odometry import VisualSummary, visual_rows
+from giraff_tools.terminal.text import counted, json_page
 
 _LABEL: Final = 15  # characters
 _INDENT: Final = " " * (_LABEL + 2)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison, OdometryError, Truth
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import Latest
@@ -22,6 +21,7 @@ from giraff_telemetry.localization import WayByState
 from giraff_telemetry.localization_error import LocalizationError, LocalizationErrors
 from giraff_telemetry.localization_summary import LocalizationSummary, summarize_localization
 from giraff_telemetry.visual_odometry import VisualErrors, VisualSummary
+from giraff_tools.network.statistics import AgeHistogram
 
 _BY_BOARD: Final = {topic.key for topic in (TILT, RANGE, WHEELS, ODOM)}
 """What the boards' clocks pace: judged in simulated time, in which all three agree. The rest goes by the wall's."""

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Final
 
-from giraff_cli.network.command import run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.header_subscriber import HeaderSubscriber
-from giraff_cli.network.robot_graph import GraphMonitor
-from giraff_cli.terminal.page import print_json, print_trimmed
-from giraff_cli.terminal.screen import LineScreen, Terminal, open_screen
-from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.top.report import Loads, TopView, report_of
+from giraff_tools.network.command import run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.header_subscriber import HeaderSubscriber
+from giraff_tools.network.robot_graph import GraphMonitor
+from giraff_tools.terminal.page import print_json, print_trimmed
+from giraff_tools.terminal.screen import LineScreen, Terminal, open_screen
+from giraff_tools.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _TURN: Final = 0.05  # s

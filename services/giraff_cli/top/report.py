@@ -10,13 +10,13 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.network.robot_graph import RobotGraph
-from giraff_cli.network.statistics import PublisherStatistics, TopicStatistics
-from giraff_cli.terminal.page import shown, table_of
-from giraff_cli.terminal.text import json_line
 from giraff_schemas.health import Health
 from giraff_schemas.text import printable
 from giraff_schemas.topics import topic_of
+from giraff_tools.network.robot_graph import RobotGraph
+from giraff_tools.network.statistics import PublisherStatistics, TopicStatistics
+from giraff_tools.terminal.page import shown, table_of
+from giraff_tools.terminal.text import json_line
 
 _WINDOW: Final = 3.0  # s that the figures of now look back
 _PERIODS: Final = 3.0  # of a topic, without a sample: it is silent

@@ -10,16 +10,16 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection, Undeclared
-from giraff_cli.network.robot_graph import GraphMonitor
-from giraff_cli.network.topic_keys import UnknownKeyError, below_robot, find_heard_topic, is_declared
-from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import json_line
 from giraff_node import robot_now_ns
 from giraff_schemas.messages import Sample
 from giraff_schemas.text import meant, printable
 from giraff_schemas.topics import Topic
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection, Undeclared
+from giraff_tools.network.robot_graph import GraphMonitor
+from giraff_tools.network.topic_keys import UnknownKeyError, below_robot, find_heard_topic, is_declared
+from giraff_tools.terminal.signals import StopSignal
+from giraff_tools.terminal.text import json_line
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _SILENT_AFTER: Final = 1.2  # s; twice the period of the slowest topic

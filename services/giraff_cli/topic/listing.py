@@ -8,11 +8,14 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.header_subscriber import HeaderSubscriber
-from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph, is_listened_to
-from giraff_cli.network.topic_keys import (
+from giraff_schemas.fields import Field, fields_of
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, Qos, Topic, key_of, topic_of
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.header_subscriber import HeaderSubscriber
+from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph, is_listened_to
+from giraff_tools.network.topic_keys import (
     UnknownKeyError,
     below_robot,
     find_heard_topic,
@@ -20,11 +23,8 @@ from giraff_cli.network.topic_keys import (
     intersects,
     is_declared,
 )
-from giraff_cli.terminal.page import print_json, print_table, shown
-from giraff_cli.terminal.signals import StopSignal
-from giraff_schemas.fields import Field, fields_of
-from giraff_schemas.messages import Sample
-from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, Qos, Topic, key_of, topic_of
+from giraff_tools.terminal.page import print_json, print_table, shown
+from giraff_tools.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 QOS: Final[Mapping[Qos, str]] = {

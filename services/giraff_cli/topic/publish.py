@@ -11,23 +11,23 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.command import print_error, run_on_network
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.robot_graph import GraphMonitor, is_listened_to
-from giraff_cli.network.topic_keys import (
+from giraff_schemas.checks import converted, require_sendable
+from giraff_schemas.codec import encode, encoding_of, stamped
+from giraff_schemas.messages import Sample
+from giraff_schemas.text import meant, plain
+from giraff_schemas.topics import TOPICS, Topic, key_of
+from giraff_tools.network.command import print_error, run_on_network
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.robot_graph import GraphMonitor, is_listened_to
+from giraff_tools.network.topic_keys import (
     UnknownKeyError,
     below_robot,
     find_published_topic,
     is_declared,
     publish_refusal,
 )
-from giraff_cli.terminal.page import print_json
-from giraff_cli.terminal.signals import StopSignal
-from giraff_schemas.checks import converted, require_sendable
-from giraff_schemas.codec import encode, encoding_of, stamped
-from giraff_schemas.messages import Sample
-from giraff_schemas.text import meant, plain
-from giraff_schemas.topics import TOPICS, Topic, key_of
+from giraff_tools.terminal.page import print_json
+from giraff_tools.terminal.signals import StopSignal
 
 _LOOK_FOR: Final = 1.5  # s, for a robot of this name: a service that is met late is one that is there
 FILLED_IN: Final = Sample.__struct_fields__

@@ -7,16 +7,16 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.header_subscriber import HeaderSubscriber
-from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
-from giraff_cli.network.statistics import PublisherStatistics, TopicStatistics
-from giraff_cli.network.topic_keys import UnknownKeyError, below_robot, find_heard_topic
-from giraff_cli.terminal.page import print_json, print_table, shown
-from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.text import printable
 from giraff_schemas.topics import Topic, topic_of
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.header_subscriber import HeaderSubscriber
+from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph
+from giraff_tools.network.statistics import PublisherStatistics, TopicStatistics
+from giraff_tools.network.topic_keys import UnknownKeyError, below_robot, find_heard_topic
+from giraff_tools.terminal.page import print_json, print_table, shown
+from giraff_tools.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _WELL: Final = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from giraff_cli.terminal.dots import ACROSS, DOWN, Dots
+from giraff_tools.terminal.dots import ACROSS, DOWN, Dots
 
 _COLUMNS: Final = 72
 _LINES: Final = 12

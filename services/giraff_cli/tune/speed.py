@@ -10,13 +10,6 @@ from typing import Final, Protocol
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, document, own_robot_file, rehearse, still_overriding
-from giraff_cli.terminal.document import Report, no_report, print_report
-from giraff_cli.terminal.dots import takes_dots
-from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
 from giraff_cli.tune.speed_fit import DISTANCE, RULE, CannotTellError, Follow, Leg, fastest, follow, legs_of, measure
 from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_follow, tell_motors
@@ -25,6 +18,13 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.messages import Wheels
 from giraff_schemas.text import printable
+from giraff_tools.network.command import UNUSABLE, print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.robot_file import RobotFileError, document, own_robot_file, rehearse, still_overriding
+from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.dots import takes_dots
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
+from giraff_tools.terminal.program import user_at_host
 
 DONE: Final = 0
 REFUSED: Final = 1

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final, Self
 
-from giraff_cli.robot_file import Value, before_today, record
-from giraff_cli.terminal.human import Human
 from giraff_node.process.state import write_file_durably
+from giraff_tools.robot_file import Value, before_today, record
+from giraff_tools.terminal.human import Human
 
 TABLE: Final = "base.drive.speed_control"
 

@@ -10,12 +10,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.limits import ask_base, limits_of
-from giraff_cli.network.picture_subscriber import PictureSubscriber
-from giraff_cli.network.user import user_at_host
-from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_core.robot import RobotConfig
 from giraff_node import robot_now_ns
@@ -28,6 +22,12 @@ from giraff_schemas.messages import Sample
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.requests import OdomEchoes
 from giraff_schemas.topics import ODOM_ECHOES, Topic
+from giraff_tools.network.command import print_error, run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.limits import ask_base, limits_of
+from giraff_tools.network.picture_subscriber import PictureSubscriber
+from giraff_tools.terminal.program import user_at_host
+from giraff_tools.terminal.signals import StopSignal
 from giraff_viewer.memory import require_memory
 from giraff_viewer.window import ViewerError
 

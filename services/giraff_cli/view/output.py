@@ -9,13 +9,13 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Final, NamedTuple, NoReturn
 
-from giraff_cli.network.command import print_error
-from giraff_cli.network.ports import free_port
-from giraff_cli.terminal.text import json_line
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.host_addresses import host_addresses
 from giraff_schemas.text import printable
+from giraff_tools.network.command import print_error
+from giraff_tools.network.ports import free_port
+from giraff_tools.terminal.text import json_line
 from giraff_viewer.graphics import NO_VULKAN, has_vulkan
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show, require_screen

@@ -7,14 +7,14 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.network.command import print_error
-from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_core.robot import RobotConfig
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.unread import Unread
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
+from giraff_tools.network.command import print_error
+from giraff_tools.terminal.signals import StopSignal
 from giraff_viewer.window import ViewerError
 
 _LOOK_EVERY: Final = 2000  # samples

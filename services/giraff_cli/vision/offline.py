@@ -14,10 +14,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_cli.network.command import print_error
-from giraff_cli.terminal.screen import say
-from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import json_page
 from giraff_cli.vision.summary import Tally, to_text
 from giraff_core.picture.header import MOST_PIXELS
 from giraff_core.robot import RobotConfig
@@ -30,6 +26,10 @@ from giraff_schemas.camera import Picture
 from giraff_schemas.checks import refuse_to_read
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.topics import CAMERA_PICTURES, ODOM
+from giraff_tools.network.command import print_error
+from giraff_tools.terminal.screen import say
+from giraff_tools.terminal.signals import StopSignal
+from giraff_tools.terminal.text import json_page
 from giraff_vision.config import VisionConfig
 from giraff_vision.policy import VisionPolicy, grey_of
 

@@ -7,11 +7,11 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.terminal.text import counted
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.camera import Step, VisualOdometry
 from giraff_schemas.text import printable
 from giraff_telemetry.localization import place_text
+from giraff_tools.terminal.text import counted
 from giraff_vision.policy import disagrees
 
 _LABEL: Final = 15  # characters

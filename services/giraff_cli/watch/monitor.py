@@ -9,11 +9,6 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Final
 
-from giraff_cli.network.command import print_error, run_on_network
-from giraff_cli.network.connection import MovedError, RobotConnection
-from giraff_cli.terminal.output import DONE
-from giraff_cli.terminal.screen import LineScreen, Screen, Terminal, open_screen
-from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.watch.report import ReportView
 from giraff_cli.watch.screen import WatchView
 from giraff_node import robot_now_ns
@@ -34,6 +29,11 @@ from giraff_schemas.topics import (
     WHEELS,
 )
 from giraff_telemetry.collector import Snapshot, Telemetry
+from giraff_tools.network.command import print_error, run_on_network
+from giraff_tools.network.connection import MovedError, RobotConnection
+from giraff_tools.terminal.output import DONE
+from giraff_tools.terminal.screen import LineScreen, Screen, Terminal, open_screen
+from giraff_tools.terminal.signals import StopSignal
 
 _LOOK_EVERY: Final = 0.5  # s; a picture costs 7 ms of a core
 _LINE_EVERY: Final = 1.0  # s

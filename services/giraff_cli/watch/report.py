@@ -6,11 +6,11 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.terminal.text import json_line
 from giraff_cli.watch.screen import WatchView, missing
 from giraff_core.latest import Latest
 from giraff_telemetry.collector import KeyRate
 from giraff_telemetry.describe import base_text, limit_text, moving
+from giraff_tools.terminal.text import json_line
 
 
 class TopicReport(msgspec.Struct, frozen=True):

@@ -9,11 +9,11 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_cli.network.command import UNUSABLE, print_error
-from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.page import print_json, print_table
-from giraff_cli.terminal.text import duration
 from giraff_schemas.text import printable
+from giraff_tools.network.command import UNUSABLE, print_error
+from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.page import print_json, print_table
+from giraff_tools.terminal.text import duration
 from giraff_web.messages import OpenPage
 from giraff_web.server.host import PATIENCE, Answer, Ask, ask, sockets
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from giraff_cli.network.command import run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.limits import ask_limits
-from giraff_cli.network.ports import port_or_any
-from giraff_cli.terminal import addresses
 from giraff_node import Node
 from giraff_node.config.settings import Settings
 from giraff_node.network.hand import open_hand
 from giraff_schemas.services import WEB
+from giraff_tools.network.command import run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.limits import ask_limits
+from giraff_tools.network.ports import port_or_any
+from giraff_tools.terminal import addresses
 from giraff_web.config import WebConfig
 from giraff_web.main import run_web
 

@@ -21,8 +21,8 @@ def why(
 
     Exit code: 0 the robot drives, or would if asked to; 1 something stops it; 2 there is no robot to tell of.
     """
-    from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
     from giraff_cli.why.explain import explain  # noqa: PLC0415
+    from giraff_tools.network.command import run_with_robot  # noqa: PLC0415
 
     raise typer.Exit(
         run_with_robot(robot, connect or (), 3.0, lambda connection: explain(connection, seconds, as_json=as_json))

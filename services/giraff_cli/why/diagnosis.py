@@ -6,12 +6,12 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.network.versions import version_trouble
 from giraff_cli.why import checks as links
 from giraff_cli.why.chain import ChainState, Link
 from giraff_cli.why.observation import Observation
 from giraff_schemas.topics import CAMERA_STATE
 from giraff_telemetry.describe import seen_text
+from giraff_tools.network.versions import version_trouble
 
 LINKS: Final = ("hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels")
 """From hand to wheel, as they are told."""

@@ -9,10 +9,6 @@ from typing import Final
 
 from rich.text import Text
 
-from giraff_cli.network.command import print_error
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.page import print_table, print_trimmed
-from giraff_cli.terminal.text import json_page
 from giraff_cli.why.chain import LinkStatus
 from giraff_cli.why.diagnosis import Diagnosis, diagnose
 from giraff_cli.why.observation import Observation
@@ -25,6 +21,10 @@ from giraff_schemas.health import Health
 from giraff_schemas.services import BASE, GUARD, HANDS, RANGER
 from giraff_schemas.text import printable
 from giraff_schemas.topics import health_key
+from giraff_tools.network.command import print_error
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.page import print_table, print_trimmed
+from giraff_tools.terminal.text import json_page
 
 _DRIVES: Final = 0
 _STOPPED: Final = 1

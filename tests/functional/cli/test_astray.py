@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
+from giraff_tools.network.ports import free_port
 from tests.functional.cli.bases import ROBOT, Base, base
 from tests.support.elsewhere import GIRAFF
 from tests.support.secured_hosts import authority

@@ -10,8 +10,6 @@ from typing import Any
 import pytest
 
 from giraff_cli.estop.client import engage, reset, status
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.ports import free_port
 from giraff_core.estop.request import BY_WORD
 from giraff_core.network import NetworkConfig
 from giraff_node.network.discovery import RobotMonitor
@@ -20,6 +18,8 @@ from giraff_node.network.tokens import list_robots
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import alive_key
 from giraff_schemas.trouble import Trouble
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.ports import free_port
 from tests.functional.cli.bases import DONE, EPOCH, ROBOT, base
 from tests.support.waiting import wait
 

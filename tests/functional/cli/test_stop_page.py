@@ -17,10 +17,10 @@ import msgspec
 import pytest
 
 from giraff_cli.estop import engage
-from giraff_cli.network.command import UnopenedError
-from giraff_cli.network.pages import page_file
 from giraff_core.estop.request import BY_WORD
 from giraff_schemas.health import WebPage
+from giraff_tools.network.command import UnopenedError
+from giraff_tools.network.pages import page_file
 from giraff_web.server.certificates import made_certificate, own_names
 from tests.support.waiting import wait
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_cli.terminal.signals import StopSignal
+from giraff_tools.terminal.signals import StopSignal
 
 
 def signal_soon(number: signal.Signals, seconds: float = 0.1) -> None:

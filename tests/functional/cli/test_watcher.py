@@ -10,14 +10,14 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.ports import claim, free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session, session_config
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, alive_key, key_of
 from giraff_telemetry.collector import Telemetry
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.ports import claim, free_port
 from tests.support.waiting import wait
 
 ROBOT = f"sim-{secrets.token_hex(4)}"

@@ -10,8 +10,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.support.elsewhere import GIRAFF, clean
 from tests.support.waiting import wait
 from tests.support.zygote import run_giraff

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_schemas.services import ROLES
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.functional.deploy.installing import TRUE_PYTHON, Tree
 from tests.support.waiting import wait
 

@@ -20,7 +20,6 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_client import EmergencyStopError, NoRobotError, Robot, RobotError, SilentError, TakenError
 from giraff_core.kinematics.pose import Pose
 from giraff_core.network import NetworkConfig
@@ -28,6 +27,7 @@ from giraff_node.network.session import LEASE as LINK_LEASE
 from giraff_node.network.session import close_session, open_session
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import GUARD, LEASE, alive_key
+from giraff_tools.network.ports import free_port
 from tests.functional.desk.scripts import PATIENCE, example, first_line, is_free
 from tests.support.examples import HALL, first_of_the_page
 from tests.support.locating import locating

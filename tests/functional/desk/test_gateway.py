@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_node import Publisher
 from giraff_schemas.messages import SerialLine, SerialWrite
 from giraff_schemas.topics import SERIAL, SERIAL_WRITE
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.support.observer import Observer
 from tests.support.waiting import wait
 from tests.unit.node.ports import FakePort

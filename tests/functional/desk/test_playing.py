@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from giraff_cli.network.ports import free_port
 from giraff_mcap.raw_sample import RawSample
+from giraff_tools.network.ports import free_port
 from tests.support.desk import Desk
 from tests.support.recorders import hearing, require_the_same
 from tests.support.waiting import wait

@@ -14,7 +14,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_core.kinematics.pose import Pose
 from giraff_mcap.raw_sample import RawSample
@@ -23,6 +22,7 @@ from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Odometry, Sample, TruePose
 from giraff_schemas.topics import ODOM, TRUE_POSE, Topic, key_of, topic_of
+from giraff_tools.network.ports import free_port
 from giraff_viewer.colours import CONES, ELLIPSE, PATH, ROBOT, TRUTH
 from giraff_viewer.scene import stock
 from tests.functional.desk.seen import Floor, has_popup

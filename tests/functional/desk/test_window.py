@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from giraff_cli.network.ports import free_port
 from giraff_schemas.messages import EStop
 from giraff_schemas.topics import ESTOP
 from giraff_schemas.trouble import Trouble
+from giraff_tools.network.ports import free_port
 from giraff_viewer.glyphs import ALPHABET
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show

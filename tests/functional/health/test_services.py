@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.functional.health.answering import check
 from tests.support.waiting import wait
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from giraff_cli.keys.manage import now
-from giraff_cli.network.ports import free_port
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.functional.node.peers import SERVICE
 from tests.unit.keys.folders import DAY, authority, bundle
 

@@ -12,12 +12,12 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
 from giraff_schemas.health import Health
 from giraff_schemas.topics import Topic, alive_key, health_key, key_of
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.support.waiting import wait
 
 ROBOT = "sim-node"

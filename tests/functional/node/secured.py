@@ -16,7 +16,6 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import Role, close_session, session_config
 from giraff_schemas.topics import (
@@ -27,6 +26,7 @@ from giraff_schemas.topics import (
     Query,
     key_of,
 )
+from giraff_tools.network.ports import free_port
 from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT
 from tests.support.waiting import wait
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
 from giraff_node.network.subscription import PolledInbox, Reader
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, key_of
+from giraff_tools.network.ports import free_port
 from tests.support.waiting import wait
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig, door_ports
 from giraff_node.network.session import NobodyError, close_session, open_clients, open_session
 from giraff_ros2.rmw.session import open_ros
+from giraff_tools.network.ports import free_port
 
 ROBOT = "sim-node"
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from giraff_cli.network.ports import free_port
 from giraff_schemas.topics import alive_key
+from giraff_tools.network.ports import free_port
 from tests.support.desk import Desk, run_beside
 from tests.support.process_robot import ProcessRobot
 from tests.support.waiting import wait

@@ -12,10 +12,10 @@ from typing import Any, Final
 import msgspec
 import pytest
 
-from giraff_cli.network.topic_keys import find_topic
 from giraff_cli.topic.publish import FILLED_IN
 from giraff_schemas.messages import Battery, Sample
 from giraff_schemas.topics import BATTERY, TOPICS
+from giraff_tools.network.topic_keys import find_topic
 from tests.functional.one_robot.answers import Holds, Scene, answers, at_once, document, in_json
 from tests.support.desk import Desk, Done, run_beside
 from tests.support.process_robot import SERVICES, ProcessRobot

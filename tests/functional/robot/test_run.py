@@ -11,14 +11,14 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
 from giraff_schemas.services import SIMULATED
 from giraff_schemas.topics import TRUE_POSE, alive_key
 from giraff_sim.board import ROOT
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.ports import free_port
 from tests.support.keyboard_user import hold, take
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import GIRAFF, PROCESSES, SMALL_ROOM, Command, command_in, line_of

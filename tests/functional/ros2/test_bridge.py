@@ -15,10 +15,10 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from giraff_cli.network.ports import free_port
 from giraff_schemas.messages import TruePose
 from giraff_schemas.topics import BASE, ESTOP, TRUE_POSE
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import SMALL_ROOM, command_in, line_of

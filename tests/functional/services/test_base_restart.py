@@ -12,7 +12,6 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_cli.network.ports import free_port
 from giraff_cli.run.processes import ProcessGroup
 from giraff_core.estop.latch import RELEASED, load_latch
 from giraff_core.network import NetworkConfig
@@ -36,6 +35,7 @@ from giraff_schemas.topics import (
 )
 from giraff_schemas.trouble import Trouble
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from tests.support.waiting import wait
 
 NAME = "sim-estop"

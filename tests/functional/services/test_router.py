@@ -10,8 +10,8 @@ import sys
 import time
 from pathlib import Path
 
-from giraff_cli.network.ports import free_port
 from giraff_health.ask import WELL, ask
+from giraff_tools.network.ports import free_port
 
 ROBOTS = '[router.robots.anne]\nrobot = ["anne-pc"]\n'
 

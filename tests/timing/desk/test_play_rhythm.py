@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_mcap.reading import Recording
+from giraff_tools.network.ports import free_port
 from tests.support.desk import Desk
 from tests.support.recorders import all_of, hearing, require_the_same
 from tests.timing.sleepers import stalls_seen

@@ -10,7 +10,7 @@ import psutil
 import pytest
 import rerun as rr
 
-from giraff_cli.network.ports import free_port
+from giraff_tools.network.ports import free_port
 from giraff_viewer.desk import TIMELINE, blueprint
 from giraff_viewer.window import Window
 from tests.support.waiting import wait

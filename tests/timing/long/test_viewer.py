@@ -12,11 +12,11 @@ import msgspec
 import psutil
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Sample, Tick, Tilt
 from giraff_schemas.topics import Topic
 from giraff_sim.board import ROOT
+from giraff_tools.network.ports import free_port
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show
 from giraff_viewer.window import Window

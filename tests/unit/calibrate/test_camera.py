@@ -18,9 +18,9 @@ from giraff_cli.calibrate.camera.guide import read
 from giraff_cli.calibrate.camera.lens import fit_lens, lens_of
 from giraff_cli.calibrate.camera.picture import Points, UnusableError
 from giraff_cli.calibrate.camera.sheet import find_sheet, middle_of
-from giraff_cli.chessboard import drawing
 from giraff_core.sensors import Camera
 from giraff_sim.board import ROOT
+from giraff_tools.chessboard import drawing
 from tests.support.camera_pictures import Studio, TrueCamera, board_views, drawn, sheets
 
 FILED: Final = Camera(x=0.05, z=1.0, pitch=0.35)

@@ -16,7 +16,6 @@ import pytest
 
 from giraff_cli.calibrate.joystick import board, command
 from giraff_cli.calibrate.joystick.attitude import PoseError, gravity_of
-from giraff_cli.terminal.human import NobodyError
 from giraff_core.live import Live
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.mount import Rows
@@ -28,6 +27,7 @@ from giraff_schemas.boards import JOYSTICK_BOARD, BoardType
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import TiltFrame, TiltStatus
 from giraff_sim.board import ROOT
+from giraff_tools.terminal.human import NobodyError
 from tests.support.operators import said
 from tests.unit.joystick.frames import ROBOT, tilt_frame
 

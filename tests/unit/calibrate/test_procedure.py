@@ -9,7 +9,7 @@ import pytest
 
 from giraff_cli.calibrate.plan import PLAN
 from giraff_cli.calibrate.procedure import Measured, Procedure
-from giraff_cli.terminal.human import NobodyError
+from giraff_tools.terminal.human import NobodyError
 from tests.unit.calibrate.person import GEOMETRY, Act, FiledRobot, Person
 
 

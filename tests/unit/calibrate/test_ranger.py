@@ -17,7 +17,6 @@ from giraff_cli.calibrate.ranger.conclusion import bounded, placed, warning
 from giraff_cli.calibrate.ranger.fit import Echo, SensorFit
 from giraff_cli.calibrate.ranger.heard import Hearing
 from giraff_cli.calibrate.ranger.procedure import Measured, StoppedError, measure
-from giraff_cli.terminal.human import NobodyError
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig, SensorPose
@@ -29,6 +28,7 @@ from giraff_schemas.motion import Move, Turn
 from giraff_sim.board import ROOT
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import SonarFault
+from giraff_tools.terminal.human import NobodyError
 from tests.support.robots import ROBOT
 from tests.unit.calibrate.walls import DrawnStand, TapePerson, bare_wall
 from tests.unit.cli.samples import at, odometry

@@ -10,10 +10,10 @@ import msgspec
 import pytest
 
 import giraff_node.network.query_client
-from giraff_cli.network.connection import RobotConnection
 from giraff_core.network import NetworkConfig
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import key_of
+from giraff_tools.network.connection import RobotConnection
 from tests.support.one_process import Clock, Session
 
 ANSWERS_AFTER = 0.02  # s

@@ -14,10 +14,10 @@ import zenoh
 
 import giraff_cli.doctor.examine
 import giraff_cli.record.recorder
-import giraff_cli.terminal.screen
 import giraff_keyboard.main
 import giraff_node.network.session
-from giraff_cli.terminal.signals import StopSignal
+import giraff_tools.terminal.screen
+from giraff_tools.terminal.signals import StopSignal
 
 
 class QuietNetwork:
@@ -103,4 +103,4 @@ def alone(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
-    monkeypatch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)
+    monkeypatch.setattr(giraff_tools.terminal.screen, "_takes_more", lambda: True)

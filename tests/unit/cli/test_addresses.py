@@ -11,8 +11,8 @@ import pytest
 from rich.console import Console
 from rich.screen import Screen
 
-from giraff_cli.terminal import addresses
-from giraff_cli.terminal.addresses import Code, CodeScreen
+from giraff_tools.terminal import addresses
+from giraff_tools.terminal.addresses import Code, CodeScreen
 from tests.unit.cli.typed import Tty
 
 ONCE = "hMmDbpDbMPVvSFEbH7bN3w"

@@ -12,10 +12,8 @@ import pytest
 from giraff_cli.camera.listing import Cameras, report_of, rows_of
 from giraff_cli.camera.look import choose_camera
 from giraff_cli.camera.window import CameraWindow, show
-from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.record.pictures import RecordedPictures
 from giraff_cli.record.recorder import wanted_topics
-from giraff_cli.terminal.signals import StopSignal
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_node.network.consent import NoRobotError
@@ -25,6 +23,8 @@ from giraff_schemas.codec import encode
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE, TICK
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_tools.network.picture_subscriber import PictureSubscriber
+from giraff_tools.terminal.signals import StopSignal
 from tests.unit.cli.samples import at, camera
 from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ROBOT, record

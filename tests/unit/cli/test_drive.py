@@ -15,8 +15,6 @@ from rich.console import Console
 
 from giraff_base.drives.wheels.words import engaged_by
 from giraff_cli.drive import operate
-from giraff_cli.network.limits import limits_of
-from giraff_cli.terminal.screen import as_svg
 from giraff_core.lease import IDLE
 from giraff_core.parameters.table import Parameters
 from giraff_keyboard import main
@@ -33,6 +31,8 @@ from giraff_schemas.messages import Battery, DirectionLimit, EStop, GuardState, 
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Latch
+from giraff_tools.network.limits import limits_of
+from giraff_tools.terminal.screen import as_svg
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT
 from tests.unit.cli.samples import SENSORS, base, estop, guard, odometry, reading, verdict

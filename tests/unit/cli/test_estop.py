@@ -16,13 +16,13 @@ import zenoh
 
 from giraff_cli.estop import client
 from giraff_cli.estop.client import engage, reset, status
-from giraff_cli.network.connection import RobotConnection
 from giraff_core.estop.request import BOARD_NOTE, not_off
 from giraff_core.network import NetworkConfig
 from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, alive_key, key_of
 from giraff_schemas.trouble import Trouble
+from giraff_tools.network.connection import RobotConnection
 from tests.support.one_process import Session
 from tests.unit.cli.asked import AskedRobot
 

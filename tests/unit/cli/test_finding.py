@@ -204,9 +204,10 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
             act(SimpleNamespace(session=None, robot=REAL))
         return 2
 
-    monkeypatch.setattr("giraff_cli.network.command.stand_in", stand_in)
-    for module in ("estop.engage", "network.command"):  # the first has it of the second, and is not to keep this one
-        monkeypatch.setattr(f"giraff_cli.{module}.visit", visit)
+    monkeypatch.setattr("giraff_tools.network.command.stand_in", stand_in)
+    # The first has it of the second, and is not to keep this one.
+    for module in ("giraff_cli.estop.engage", "giraff_tools.network.command"):
+        monkeypatch.setattr(f"{module}.visit", visit)
     host.beside(OWN).types(*command.split(), *WORDS.get(command, ()))
     assert bool(asked) == (command not in strict)
 

@@ -28,7 +28,6 @@ from giraff_cli.doctor.inspection import (
 )
 from giraff_cli.doctor.machine import geometry_of, look_at_boards, look_at_machine, wiring_problem
 from giraff_cli.doctor.robot import geometry_in
-from giraff_cli.network.interfaces import Interface, is_own, on_link
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.network import NetworkConfig
 from giraff_core.parameters.table import Parameters
@@ -38,6 +37,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_schemas.health import Health
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_tools.network.interfaces import Interface, is_own, on_link
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT as ODOMETRYS
 from tests.unit.cli.samples import base, estop

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from giraff_cli.graph.graph import Edge, Graph, dot
-from giraff_cli.network.robot_graph import NodeId
+from giraff_tools.network.robot_graph import NodeId
 
 DRAWN = Graph(
     robot="anne",

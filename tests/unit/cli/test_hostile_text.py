@@ -11,7 +11,6 @@ import sys
 import pytest
 from rich.table import Table
 
-from giraff_cli.terminal.text import json_line, json_page
 from giraff_client.errors import EmergencyStopError
 from giraff_node.network.consent import print_notice
 from giraff_node.process.logs import service_logger
@@ -19,6 +18,7 @@ from giraff_schemas.messages import EStop
 from giraff_schemas.text import printable
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.console import CleanConsole
+from giraff_tools.terminal.text import json_line, json_page
 from tests.unit.cli.typed import Tty
 
 HOSTILE = "\x1b]0;owned\x07\x1b[2J\x9b1m\r\x7f\u202eé"

@@ -10,7 +10,7 @@ from typing import TextIO
 
 import pytest
 
-from giraff_cli.terminal.human import NobodyError, Terminal
+from giraff_tools.terminal.human import NobodyError, Terminal
 
 
 class Typist:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.network.interfaces import Interface
 from giraff_cli.run.invitation import Invitation, invite
-from giraff_cli.terminal.program import called_anywhere
 from giraff_core.network import NetworkConfig
+from giraff_tools.network.interfaces import Interface
+from giraff_tools.terminal.program import called_anywhere
 
 AT = "127.0.0.1:23456"
 WIRED = Interface(name="eth0", address="192.168.1.7/24", multicast=True)

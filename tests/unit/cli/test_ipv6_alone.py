@@ -8,8 +8,8 @@ import pytest
 
 from giraff_cli.doctor.findings import findings
 from giraff_cli.doctor.inspection import Inspection, Machine, Network
-from giraff_cli.network import interfaces
-from giraff_cli.network.interfaces import Interface, ipv6_alone
+from giraff_tools.network import interfaces
+from giraff_tools.network.interfaces import Interface, ipv6_alone
 
 LISTED = """fd000000000000000000000000000002 02 40 00 80     eth0
 00000000000000000000000000000001 01 80 10 80       lo

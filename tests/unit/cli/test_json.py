@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.terminal.document import Report, print_report
+from giraff_tools.terminal.document import Report, print_report
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.test_any_command import whole_commands

@@ -12,7 +12,6 @@ from giraff_cli.localize import hearing
 from giraff_cli.localize.hearing import Hearing
 from giraff_cli.localize.serve import ShownLocalization
 from giraff_cli.localize.view import PoseView
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.floor import Floor
@@ -20,6 +19,7 @@ from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
 from giraff_schemas.topics import POSE, alive_key
 from giraff_schemas.trouble import Trouble
+from giraff_tools.terminal.signals import StopSignal
 from tests.support.robots import ROBOT
 from tests.unit.cli.asked import AskedRobot
 from tests.unit.cli.map_poses import map_pose
@@ -115,7 +115,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> Here:
     made = Here()
     made.rule(monkeypatch, hearing)
     monkeypatch.setattr(hearing, "robot_now_ns", made.clock.monotonic_ns)
-    monkeypatch.setattr("giraff_cli.network.connection.robot_now_ns", made.clock.monotonic_ns)
+    monkeypatch.setattr("giraff_tools.network.connection.robot_now_ns", made.clock.monotonic_ns)
     monkeypatch.setattr(serving, "Localization", Idle)
     monkeypatch.setattr(serving, "discard_stdout", lambda: None)
     return made

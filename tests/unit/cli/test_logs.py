@@ -12,7 +12,7 @@ import pytest
 
 from giraff_cli.logs.entries import Merge, container_entry, journal_entry, json_of, line_of, run_text, since_moment
 from giraff_cli.logs.sources import LogFile, Wanted, containers_in, runs
-from giraff_cli.terminal.service_log import Entry
+from giraff_tools.terminal.service_log import Entry
 
 OWN = '{"time":"2023-11-14T22:13:20.120Z","level":"warning","service":"base","message":"low"}'
 NOW = datetime(2026, 5, 31, 14, 45).astimezone().timestamp()

@@ -14,15 +14,11 @@ from typing import Any, cast
 import pytest
 from rich.console import Console
 
-import giraff_cli.terminal.screen
 import giraff_node.motion_client
 import giraff_node.network.query_client
+import giraff_tools.terminal.screen
 from giraff_cli.motion import perform
 from giraff_cli.motion.view import MotionView, describe
-from giraff_cli.network.command import print_error
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.signals import StopSignal
 from giraff_core.motion.result import MotionResult
 from giraff_core.network import NetworkConfig
 from giraff_node.network.consent import NoRobotError
@@ -30,6 +26,10 @@ from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.localization import MapPose
 from giraff_schemas.motion import NOWHERE, Arc, GoTo, Move, Outcome, Step, Turn
 from giraff_schemas.topics import POSE, key_of
+from giraff_tools.network.command import print_error
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.signals import StopSignal
 from tests.rules.repository import ROOT
 from tests.support.motion_double import BLOCKED, MotionDouble, motion_state
 from tests.support.one_process import Clock, Session
@@ -57,7 +57,7 @@ class Desk:
         for module in (perform, giraff_node.motion_client, giraff_node.network.query_client):
             patch.setattr(module, "time", self.clock)
         patch.setattr(perform, "run_with_robot", self._visit)
-        patch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)
+        patch.setattr(giraff_tools.terminal.screen, "_takes_more", lambda: True)
 
         def wait(stopping: StopSignal, seconds: float, patience: int = 1) -> bool:
             self.clock.sleep(seconds)
@@ -105,7 +105,7 @@ def test_it_arrives_and_says_how_far_it_came(desk: Desk) -> None:
 
 def test_at_a_point_of_the_map_it_says_how_sure_localization_is(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(perform, "robot_now_ns", desk.clock.monotonic_ns)
-    monkeypatch.setattr("giraff_cli.network.connection.robot_now_ns", desk.clock.monotonic_ns)
+    monkeypatch.setattr("giraff_tools.network.connection.robot_now_ns", desk.clock.monotonic_ns)
     said = encode(stamped(map_pose(1, state="told"), 1, 0, "l"))
     desk.each = lambda _: desk.session.put(key_of(NAME, POSE), said, encoding=encoding_of(MapPose))
     assert "on the map" not in desk.type("go", "1,2")[1]

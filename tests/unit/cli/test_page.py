@@ -7,7 +7,7 @@ import io
 import pytest
 from rich.text import Text
 
-from giraff_cli.terminal import page
+from giraff_tools.terminal import page
 from tests.unit.cli.typed import Tty
 
 HEADINGS = ("key", "by", ">Hz", ">reordered", "told")

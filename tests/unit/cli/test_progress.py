@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_cli.terminal import progress
-from giraff_cli.terminal.progress import Progress
 from giraff_mcap.reading import Recording
+from giraff_tools.terminal import progress
+from giraff_tools.terminal.progress import Progress
 from tests.rules.repository import ROOT
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.robot_file import RobotFileError, Value, record, record_all, rehearse, still_overriding
 from giraff_sim.board import ROOT
+from giraff_tools.robot_file import RobotFileError, Value, record, record_all, rehearse, still_overriding
 
 FIELDS: dict[str, Value] = {"swap_motors": True, "swap_encoders": False}
 

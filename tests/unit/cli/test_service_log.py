@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from giraff_cli.run.processes import bound
-from giraff_cli.terminal.service_log import Entry, cause_of, read_entry
+from giraff_tools.terminal.service_log import Entry, cause_of, read_entry
 
 
 def line(level: str, message: str) -> str:

@@ -14,7 +14,6 @@ from rich.console import Console
 from giraff_cli.run.screen import Frame, line, view
 from giraff_cli.run.summary import BalanceSummary, Summary, summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunSnapshot, RunTelemetry
-from giraff_cli.terminal.screen import as_svg
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import LocalizationState
@@ -24,6 +23,7 @@ from giraff_sim.control.messages import Balance
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn
 from giraff_telemetry.describe import battery_text
+from giraff_tools.terminal.screen import as_svg
 from tests.support import balancer_file
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (

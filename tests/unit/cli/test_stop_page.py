@@ -15,11 +15,11 @@ import pytest
 
 from giraff_cli.estop import page
 from giraff_cli.estop.page import Answer, PageStop, Place, doubt_of, place_of
-from giraff_cli.network import pages
-from giraff_cli.network.pages import PageKeeper, kept_pages, page_file
 from giraff_schemas.codec import encode
 from giraff_schemas.health import Health, WebPage
 from giraff_schemas.topics import health_key
+from giraff_tools.network import pages
+from giraff_tools.network.pages import PageKeeper, kept_pages, page_file
 from tests.support.one_process import Clock, Session
 
 STOPPED = b'{"asked": true, "estop": {"engaged": true, "off": false}}'

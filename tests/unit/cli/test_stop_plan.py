@@ -14,12 +14,12 @@ import zenoh
 
 from giraff_cli.estop import engage
 from giraff_cli.estop.plan import plan_stop
-from giraff_cli.network import command
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.pages import page_file
 from giraff_core.network import NetworkConfig
 from giraff_node.network.discovery import Target
 from giraff_schemas.health import WebPage
+from giraff_tools.network import command
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.pages import page_file
 from tests.rules.repository import ROOT
 
 DEFAULT = NetworkConfig()

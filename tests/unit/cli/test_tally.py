@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_cli.network.statistics import Arrival, Header, TopicStatistics
+from giraff_tools.network.statistics import Arrival, Header, TopicStatistics
 
 PERIOD_NS = 10_000_000
 

@@ -8,7 +8,6 @@ from unittest.mock import MagicMock
 import msgspec
 import pytest
 
-from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.announcer import Announcer
 from giraff_cli.run.odometry_error import Comparison
 from giraff_cli.run.telemetry import RunTelemetry
@@ -17,6 +16,7 @@ from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Tick, TruePose
 from giraff_telemetry.rate import RateEstimator
+from giraff_tools.network.statistics import AgeHistogram
 from tests.unit.cli.samples import (
     EPOCH,
     MS,

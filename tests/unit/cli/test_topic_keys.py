@@ -6,10 +6,6 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.network.connection import read_undeclared
-from giraff_cli.network.robot_graph import RobotGraph
-from giraff_cli.network.statistics import Arrival
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, intersects, publish_refusal
 from giraff_cli.topic.listing import QOS, rows_of
 from giraff_cli.topic.publish import NotASampleError, parse_sample
 from giraff_cli.topic.rates import rates_of
@@ -27,6 +23,10 @@ from giraff_schemas.topics import (
     TRUE_POSE,
     Topic,
 )
+from giraff_tools.network.connection import read_undeclared
+from giraff_tools.network.robot_graph import RobotGraph
+from giraff_tools.network.statistics import Arrival
+from giraff_tools.network.topic_keys import UnknownKeyError, find_topic, intersects, publish_refusal
 
 STRANGE = '{"state": "clear", "range": null, "echo_us": 0, "tick": {"epoch": 1, "robot_ns": 1, "s": 1}}'
 SERVICES = {"base": ["tick", "wheels"], "guard": ["cmd_vel"], "joystick": ["tilt", "cmd_vel/joystick"]}

@@ -18,9 +18,6 @@ import giraff_node.motion_client
 import giraff_node.network.query_client
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import SpeedControl
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.human import NobodyError
-from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.tune import speed_drive
 from giraff_cli.tune.speed_fit import Motor
 from giraff_core.network import NetworkConfig
@@ -30,6 +27,9 @@ from giraff_schemas.messages import Battery, Lease
 from giraff_schemas.motion import Move
 from giraff_schemas.params import Param, ParamAnswer
 from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, PARAM_DESCRIBE, WHEELS, key_of
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.human import NobodyError
+from giraff_tools.terminal.signals import StopSignal
 from tests.rules.repository import ROOT
 from tests.support.driven_wheels import MOTORS, STEP, Turning, drive, sample
 from tests.support.motion_double import MotionDouble

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from giraff_cli.motion.pattern import PatternError, read_pattern
 from giraff_cli.record.commands import bytes_of
-from giraff_cli.typed import angle, length, point, pose
 from giraff_schemas.motion import Arc, Move, Turn
+from giraff_tools.typed import angle, length, point, pose
 
 
 @pytest.mark.parametrize(

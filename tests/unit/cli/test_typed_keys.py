@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.terminal.keys import Keys
+from giraff_tools.terminal.keys import Keys
 
 
 class Person:

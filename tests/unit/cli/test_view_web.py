@@ -7,8 +7,8 @@ import urllib.request
 
 import pytest
 
-from giraff_cli.network.ports import free_port
 from giraff_cli.view.output import Options, ViewerOutput, browser_addresses
+from giraff_tools.network.ports import free_port
 from giraff_viewer.scene import stock
 from giraff_viewer.window import ViewerError
 

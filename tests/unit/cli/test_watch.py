@@ -12,15 +12,15 @@ from typing import Any, Self, cast
 import msgspec
 import pytest
 
-import giraff_cli.network.command
-import giraff_cli.network.connection
 import giraff_node.network.discovery
-from giraff_cli.terminal import output
-from giraff_cli.terminal.screen import LineScreen
+import giraff_tools.network.command
+import giraff_tools.network.connection
 from giraff_cli.watch import monitor
 from giraff_node.network.discovery import RobotMonitor
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
+from giraff_tools.terminal import output
+from giraff_tools.terminal.screen import LineScreen
 from tests.support.one_process import Clock, Session
 from tests.unit.cli.samples import base, estop, guard, lease, odometry, verdict, wheels
 
@@ -75,12 +75,12 @@ def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Network:
     monkeypatch.chdir(tmp_path)
     for module in (monitor, giraff_node.network.discovery):
         monkeypatch.setattr(module, "time", made.clock)
-    for module in (monitor, giraff_cli.network.connection):
+    for module in (monitor, giraff_tools.network.connection):
         monkeypatch.setattr(module, "robot_now_ns", made.clock.monotonic_ns)
     monkeypatch.setattr(monitor, "StopSignal", lambda: Waits(made.clock))
     monkeypatch.setattr(monitor, "set_tcp_options", lambda: None)
-    monkeypatch.setattr(giraff_cli.network.command, "open_session", lambda *_, **__: made.session)
-    monkeypatch.setattr(giraff_cli.network.connection, "close_session", lambda *_: True)
+    monkeypatch.setattr(giraff_tools.network.command, "open_session", lambda *_, **__: made.session)
+    monkeypatch.setattr(giraff_tools.network.connection, "close_session", lambda *_: True)
     return made
 
 

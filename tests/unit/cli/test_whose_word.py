@@ -7,11 +7,11 @@ from typing import Any, cast
 import pytest
 
 from giraff_cli.estop.client import Result, engage, engage_all
-from giraff_cli.network.connection import RobotConnection
 from giraff_core.access import AccessConfig
 from giraff_core.estop.request import BY_WORD
 from giraff_core.network import NetworkConfig
 from giraff_schemas.topics import alive_key
+from giraff_tools.network.connection import RobotConnection
 from tests.unit.cli.test_estop import ROBOT, WISH, Network, network
 
 __all__ = ["network"]

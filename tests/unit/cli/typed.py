@@ -11,8 +11,8 @@ import pytest
 import typer.main
 
 from giraff_cli.main import app
-from giraff_cli.network import command as visit
 from giraff_cli.usage import run_app
+from giraff_tools.network import command as visit
 
 Giraff = Callable[..., tuple[int, str, str]]
 

@@ -16,12 +16,12 @@ from rich.console import Console
 from rich.file_proxy import FileProxy
 
 import giraff_cli.map.show
-from giraff_cli.terminal.dots import takes_dots
-from giraff_cli.terminal.floor import FloorDrawing
 from giraff_core.kinematics.pose import Pose
 from giraff_maps.floor_plan import FloorPlan
 from giraff_maps.read import read_map
 from giraff_schemas.localization import Candidate, MapPose
+from giraff_tools.terminal.dots import takes_dots
+from giraff_tools.terminal.floor import FloorDrawing
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.typed import Giraff, giraff
 from tests.unit.maps.grids import FLAT, LIVING_ROOM, polyline, room

@@ -9,7 +9,6 @@ import msgspec
 import pytest
 
 from giraff_base.config import BaseConfig
-from giraff_cli.robot_file import record
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
@@ -17,6 +16,7 @@ from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import Target, resolve_target
 from giraff_sim.board import ROOT
+from giraff_tools.robot_file import record
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

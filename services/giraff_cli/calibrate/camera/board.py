@@ -10,7 +10,7 @@ import numpy as np
 
 from giraff_cli.calibrate.camera.lens import Lens, board_corners
 from giraff_cli.calibrate.camera.picture import Grey, Points, UnusableError
-from giraff_cli.chessboard import COLUMNS, ROWS
+from giraff_tools.chessboard import COLUMNS, ROWS
 
 _PATTERN: Final = (COLUMNS, ROWS)
 _SMALLEST_SQUARE: Final = 7.0

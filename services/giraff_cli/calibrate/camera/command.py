@@ -14,16 +14,16 @@ from giraff_cli.calibrate.camera.lens import Lens, LensFit, lens_of
 from giraff_cli.calibrate.camera.picture import UnusableError
 from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
 from giraff_cli.calibrate.guided import introduce
-from giraff_cli.network.command import run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.user import user_at_host
-from giraff_cli.robot_file import RobotFileError, before_today, document, own_robot_file, record
-from giraff_cli.terminal.document import Report, no_report, print_report
-from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.picture_client import PictureClient
+from giraff_tools.network.command import run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.robot_file import RobotFileError, before_today, document, own_robot_file, record
+from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
+from giraff_tools.terminal.program import user_at_host
 
 _DONE: Final = 0
 _REFUSED: Final = 1

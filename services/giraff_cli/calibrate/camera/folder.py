@@ -10,7 +10,7 @@ from giraff_cli.calibrate.camera.guide import read
 from giraff_cli.calibrate.camera.lens import FEWEST, Lens, LensFit, fit_lens
 from giraff_cli.calibrate.camera.picture import Grey, UnusableError
 from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet
-from giraff_cli.terminal.human import Human
+from giraff_tools.terminal.human import Human
 
 SHEET: Final = "sheet"
 _KINDS: Final = frozenset({".jpg", ".jpeg", ".png"})

@@ -9,7 +9,7 @@ from giraff_cli.calibrate.camera.board import View, find_board, is_new, is_still
 from giraff_cli.calibrate.camera.lens import FEWEST, Lens, LensFit, fit_lens
 from giraff_cli.calibrate.camera.picture import Grey, UnusableError, decode
 from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet, middle_of
-from giraff_cli.terminal.human import Human
+from giraff_tools.terminal.human import Human
 
 PLACES: Final = 3
 """Number of places of the sheet. Pixels and JPEG move its edges a little, differently at each place."""

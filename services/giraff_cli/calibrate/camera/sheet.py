@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from giraff_cli.calibrate.camera.lens import Lens
 from giraff_cli.calibrate.camera.picture import Grey, Points, UnusableError
-from giraff_cli.chessboard import A4
 from giraff_cli.condition import is_determined
+from giraff_tools.chessboard import A4
 
 _LEVELS: Final = 12
 """Brightnesses at which outlines are looked for."""

@@ -21,13 +21,13 @@ from giraff_cli.calibrate.joystick.attitude import (
     require_tilt,
 )
 from giraff_cli.calibrate.joystick.board import BoardError, TiltBoard
-from giraff_cli.robot_file import RobotFileError, before_today, document, own_robot_file, record, still_overriding
-from giraff_cli.terminal.document import Report, no_report, print_report
-from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.mount import Mount
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import ConfigError, load, read_tables
+from giraff_tools.robot_file import RobotFileError, before_today, document, own_robot_file, record, still_overriding
+from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 
 _DONE: Final = 0
 _REFUSED: Final = 1

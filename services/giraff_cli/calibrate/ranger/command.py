@@ -12,9 +12,12 @@ from giraff_cli.calibrate.guided import introduce
 from giraff_cli.calibrate.ranger.conclusion import bounded, changed, in_words, placed, warning
 from giraff_cli.calibrate.ranger.procedure import PINGS, Stand, StoppedError, measure
 from giraff_cli.calibrate.ranger.stand import NetworkStand
-from giraff_cli.network.command import run_with_robot
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.robot_file import (
+from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
+from giraff_node.config.robot_file import ConfigError, load
+from giraff_tools.network.command import run_with_robot
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.robot_file import (
     RobotFileError,
     before_today,
     document,
@@ -23,11 +26,8 @@ from giraff_cli.robot_file import (
     rehearse,
     still_overriding,
 )
-from giraff_cli.terminal.document import Report, no_report, print_report
-from giraff_cli.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
-from giraff_core.robot import RobotConfig
-from giraff_guard.config import GuardConfig
-from giraff_node.config.robot_file import ConfigError, load
+from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
 
 _DONE: Final = 0
 _REFUSED: Final = 1

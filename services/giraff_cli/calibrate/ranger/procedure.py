@@ -10,11 +10,11 @@ import msgspec
 
 from giraff_cli.calibrate.answers import number
 from giraff_cli.calibrate.ranger.fit import Echo, SensorFit, UntoldError, Wall, fit, wall_of
-from giraff_cli.terminal.human import Human, agrees
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_schemas.motion import Move, Step, Turn
+from giraff_tools.terminal.human import Human, agrees
 
 SPEED: Final = 0.15  # m/s
 TURN_SPEED: Final = 0.2  # rad/s

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Final, Protocol, TextIO
 
-from giraff_cli.terminal.page import print_wrapped
+from giraff_tools.terminal.page import print_wrapped
 
 _TURN: Final = 0.1  # s
 _ERASE: Final = "\r\033[K"

@@ -7,8 +7,8 @@ import sys
 from collections.abc import Callable
 from typing import Any, TextIO
 
-from giraff_cli.terminal.output import DONE, guard_stdout
-from giraff_cli.terminal.text import json_page
+from giraff_tools.terminal.output import DONE, guard_stdout
+from giraff_tools.terminal.text import json_page
 
 Report = Callable[[Any], None]
 """Takes the document of a command. The last one counts."""

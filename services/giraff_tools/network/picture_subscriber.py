@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol, Self
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.user import user_at_host
 from giraff_node.picture_client import PictureClient
 from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import CAMERA, CAMERA_SMALL, Topic
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.program import user_at_host
 
 
 class ReceivedPicture(NamedTuple):

@@ -12,9 +12,9 @@ from typing import Final, Protocol
 from rich.console import RenderableType
 from rich.live import Live
 
-from giraff_cli.terminal.output import discard_stdout, is_drawn_on
 from giraff_schemas.text import printable, printable_lines
 from giraff_telemetry.console import CleanConsole
+from giraff_tools.terminal.output import discard_stdout, is_drawn_on
 
 _PICTURE_COLUMNS: Final = 100
 _WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)

@@ -10,8 +10,8 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.statistics import Arrival, Header
 from giraff_schemas.topics import ROOT, Topic, key_of
+from giraff_tools.network.statistics import Arrival, Header
 
 _MOST_WAITING: Final = 200_000
 _heads: Final = msgspec.msgpack.Decoder(Header)

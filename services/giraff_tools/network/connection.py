@@ -13,8 +13,6 @@ from typing import Any, Final, Literal, Protocol
 import msgspec
 import zenoh
 
-from giraff_cli.network.pages import PageKeeper
-from giraff_cli.network.topic_keys import is_declared
 from giraff_core.network import NetworkConfig, addresses
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
@@ -25,6 +23,8 @@ from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.services import BASE, WEB
 from giraff_schemas.topics import CAMERA_PICTURES, ROOT, TOPICS, Topic, alive_key, key_of
+from giraff_tools.network.pages import PageKeeper
+from giraff_tools.network.topic_keys import is_declared
 
 _ASK_AGAIN: Final = 0.1  # s
 _ANY_NETWORK: Final = NetworkConfig()

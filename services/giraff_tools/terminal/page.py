@@ -16,9 +16,9 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.terminal.text import json_page
 from giraff_schemas.text import printable
 from giraff_telemetry.console import CleanConsole
+from giraff_tools.terminal.text import json_page
 
 _PIPE_WIDTH: Final = 120  # characters of a table in a pipe; a sentence stays a line for whoever searches it
 _GAP: Final = 2  # blanks between two columns

@@ -11,15 +11,15 @@ from typing import Final
 
 import zenoh
 
-from giraff_cli.network.connection import MovedError, RobotConnection
-from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import CORRECT_IT, Target, find_robot, require_consent, resolve_target, stand_in
 from giraff_node.network.reach import find_silent, silence_text
 from giraff_node.network.session import NobodyError, Role, open_session
+from giraff_tools.network.connection import MovedError, RobotConnection
+from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.program import called_here
 
 UNUSABLE: Final = 2
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import msgspec
-
-from giraff_cli.network.age_histogram import AgeHistogram
 
 _RECALLED: Final = 10_000
 """Samples back that a late one is known to be late, and not lost or a double."""
@@ -16,6 +14,7 @@ _KEPT: Final = 10.0  # s of marks, by which the rate of now is told
 _ENOUGH: Final = 0.25  # s that tell a rate
 _LEAP: Final = 2.0
 """s by which stamps and arrivals differ where a clock leaps. Samples that come late differ by less."""
+_AGE_STEP_MS: Final = 0.1
 
 
 class Header(msgspec.Struct, frozen=True):
@@ -47,6 +46,25 @@ class _Mark(NamedTuple):
     head: Header
     at: float
     """Monotonic, s."""
+
+
+class AgeHistogram:
+    """A distribution of ages in ms, as steps of 0.1 ms: it does not grow with a long run."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[int] = Counter()
+
+    def add(self, milliseconds: float) -> None:
+        self._counts[round(milliseconds / _AGE_STEP_MS)] += 1
+
+    def quantile(self, share: float) -> float | None:
+        """The age that `share` (0..1) of all do not exceed; None: there are none."""
+        wanted, seen = share * self._counts.total(), 0
+        for step, count in sorted(self._counts.items()):
+            seen += count
+            if seen >= wanted:
+                return round(step * _AGE_STEP_MS, 1)
+        return None
 
 
 class PublisherStatistics:

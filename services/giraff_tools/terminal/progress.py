@@ -9,7 +9,7 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Final, Self
 
-from giraff_cli.terminal.output import is_drawn_on
+from giraff_tools.terminal.output import is_drawn_on
 
 if TYPE_CHECKING:
     import rich.progress

@@ -14,8 +14,8 @@ from urllib.parse import urlsplit
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 
-from giraff_cli.terminal.output import discard_stdout, is_drawn_on
-from giraff_cli.terminal.text import json_line
+from giraff_tools.terminal.output import discard_stdout, is_drawn_on
+from giraff_tools.terminal.text import json_line
 
 _MARK: Final = "page: "
 """Before an address where there is no terminal: for programs."""

@@ -9,11 +9,6 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.header_subscriber import HeaderSubscriber
-from giraff_cli.network.statistics import Arrival, TopicStatistics
-from giraff_cli.network.topic_keys import intersects, is_declared
-from giraff_cli.terminal.signals import StopSignal
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
 from giraff_node.network.replies import ask_all
@@ -22,6 +17,11 @@ from giraff_schemas.health import Health
 from giraff_schemas.messages import Sample
 from giraff_schemas.text import meant
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
+from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.header_subscriber import HeaderSubscriber
+from giraff_tools.network.statistics import Arrival, TopicStatistics
+from giraff_tools.network.topic_keys import intersects, is_declared
+from giraff_tools.terminal.signals import StopSignal
 
 FIRST_WITHIN: Final = 3.0  # s until the first word of a robot that is there
 _LOOK_EVERY: Final = 0.02  # s

@@ -8,10 +8,10 @@ from typing import Final
 
 from rich.text import Text
 
-from giraff_cli.terminal.dots import ACROSS, DOWN, Dots
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_maps.floor_plan import FloorPlan, Wall
 from giraff_schemas.localization import MapPose
+from giraff_tools.terminal.dots import ACROSS, DOWN, Dots
 
 _STEPS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """m from one figure on an axis to the next."""

@@ -6,7 +6,6 @@ import sys
 import time
 from typing import Final
 
-from giraff_cli.network.connection import RobotConnection
 from giraff_core.robot import RobotConfig
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
@@ -16,6 +15,7 @@ from giraff_schemas.checks import converted
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import BASE
 from giraff_schemas.topics import PARAM_DESCRIBE
+from giraff_tools.network.connection import RobotConnection
 
 _PATIENCE: Final = 5.0  # s
 _SAYS_SO: Final = 0.5  # s after which a person is told what is waited for

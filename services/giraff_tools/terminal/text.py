@@ -32,6 +32,12 @@ def json_page(document: Any) -> str:
     return _STEERING.sub(_escaped, msgspec.json.format(msgspec.json.encode(document), indent=2).decode())
 
 
+def quoted(text: str) -> str:
+    """Write the text as Graphviz takes a name."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
 def _escaped(found: re.Match[str]) -> str:
     character = found.group()
     if character.isprintable():

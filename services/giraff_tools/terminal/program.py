@@ -1,15 +1,19 @@
-"""How this very program is called by a person."""
+"""How this very program is called by a person, and by whom."""
 
 from __future__ import annotations
 
+import getpass
 import os
 import shlex
 import shutil
+import socket
 import sys
 from collections.abc import Container
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
+
+from giraff_schemas.text import printable
 
 _NAME: Final = "giraff"
 
@@ -40,3 +44,12 @@ def redirected(stray: Container[str]) -> str:
             typed = shlex.join([*called_here(), *words[: at + 1], *words[at + 2 :]])
             return f"--json prints; write it as: {typed} > {shlex.quote(file)}"
     return ""
+
+
+def user_at_host() -> str:
+    """Return whom to name to those who ask who it was. Bytes of another locale could not be sent, and become "?"."""
+    try:
+        user = getpass.getuser()
+    except (OSError, KeyError):  # a container's user may have no name
+        user = str(os.getuid())
+    return printable(f"{user}@{socket.gethostname()}")

@@ -1,0 +1,1 @@
+"""Shared by commands: what a terminal shows and reads, the network of a robot, its robot file."""
