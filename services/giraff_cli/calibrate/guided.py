@@ -18,7 +18,7 @@ from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import own_robot_file
 from giraff_tools.terminal.document import Report, no_report, print_report
-from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, introduce, signals_interrupt
 
 _PATIENCE: Final = 3.0  # s
 
@@ -63,11 +63,6 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
             return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
             return _interrupted()
-
-
-def introduce(human: Human, robot: str, path: Path) -> None:
-    """Tell which robot it is, and where the outcome goes."""
-    human.show(f"Robot {robot}; what is found goes into {path}.")
 
 
 def guide(

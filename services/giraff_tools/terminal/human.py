@@ -8,6 +8,7 @@ import select
 import shutil
 import signal
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import FrameType
 from typing import Final, Protocol, TextIO
 
@@ -99,3 +100,8 @@ def signals_interrupt() -> Iterator[None]:
 def _interrupt(number: int, frame: FrameType | None) -> None:
     del number, frame
     raise KeyboardInterrupt
+
+
+def introduce(human: Human, robot: str, path: Path) -> None:
+    """Tell which robot it is, and where the outcome goes."""
+    human.show(f"Robot {robot}; what is found goes into {path}.")

@@ -13,7 +13,6 @@ from giraff_cli.calibrate.camera.guide import Pictures, take_sheets, take_views
 from giraff_cli.calibrate.camera.lens import Lens, LensFit, lens_of
 from giraff_cli.calibrate.camera.picture import UnusableError
 from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
-from giraff_cli.calibrate.guided import introduce
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError
@@ -22,7 +21,7 @@ from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import RobotFileError, before_today, document, own_robot_file, record
 from giraff_tools.terminal.document import Report, no_report, print_report
-from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, introduce, signals_interrupt
 from giraff_tools.terminal.program import user_at_host
 
 _DONE: Final = 0

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
-from giraff_cli.calibrate.guided import introduce
 from giraff_cli.calibrate.ranger.conclusion import bounded, changed, in_words, placed, warning
 from giraff_cli.calibrate.ranger.procedure import PINGS, Stand, StoppedError, measure
 from giraff_cli.calibrate.ranger.stand import NetworkStand
@@ -27,7 +26,7 @@ from giraff_tools.robot_file import (
     still_overriding,
 )
 from giraff_tools.terminal.document import Report, no_report, print_report
-from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
+from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, introduce, signals_interrupt
 
 _DONE: Final = 0
 _REFUSED: Final = 1
