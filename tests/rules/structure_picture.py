@@ -17,6 +17,7 @@ _SERVICES: Final = "services"
 _TITLES: Final = {
     "giraff_client": "a script of yours",
     "giraff_cli": "the giraff command",
+    "giraff_setup": "measurements, fits, drawings",
     "giraff_sim": "world, boards, faults",
     "giraff_tools": "what commands share",
     _SERVICES: "one package each; none imports another",

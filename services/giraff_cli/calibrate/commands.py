@@ -122,7 +122,7 @@ def joystick(
     Exit code: 0 done; 1 refused, nothing written; 2 not begun.
     """
     require_extra("calibrate joystick", "serial", "serial,cli")
-    from giraff_cli.calibrate.joystick.command import calibrate_joystick  # noqa: PLC0415
+    from giraff_setup.joystick.calibrate import calibrate_joystick  # noqa: PLC0415
 
     raise typer.Exit(calibrate_joystick(port, file, as_json=as_json))
 

@@ -14,8 +14,6 @@ from typing import ClassVar
 
 import pytest
 
-from giraff_cli.calibrate.joystick import board, command
-from giraff_cli.calibrate.joystick.attitude import PoseError, gravity_of
 from giraff_core.live import Live
 from giraff_core.tilt.clutch import Vector
 from giraff_core.tilt.mount import Rows
@@ -26,6 +24,8 @@ from giraff_node.config.robot_file import load
 from giraff_schemas.boards import JOYSTICK_BOARD, BoardType
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import TiltFrame, TiltStatus
+from giraff_setup.joystick import board, command
+from giraff_setup.joystick.attitude import PoseError, gravity_of
 from giraff_sim.board import ROOT
 from giraff_tools.terminal.human import NobodyError
 from tests.support.operators import said

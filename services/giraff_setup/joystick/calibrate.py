@@ -10,7 +10,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.calibrate.joystick.attitude import (
+from giraff_core.tilt.clutch import Vector
+from giraff_core.tilt.mount import Mount
+from giraff_joystick.config import JoystickConfig
+from giraff_node.config.robot_file import ConfigError, load, read_tables
+from giraff_setup.joystick.attitude import (
     READINGS,
     AttitudeFit,
     DoubtError,
@@ -20,11 +24,7 @@ from giraff_cli.calibrate.joystick.attitude import (
     require_level,
     require_tilt,
 )
-from giraff_cli.calibrate.joystick.board import BoardError, TiltBoard
-from giraff_core.tilt.clutch import Vector
-from giraff_core.tilt.mount import Mount
-from giraff_joystick.config import JoystickConfig
-from giraff_node.config.robot_file import ConfigError, load, read_tables
+from giraff_setup.joystick.board import BoardError, TiltBoard
 from giraff_tools.robot_file import RobotFileError, before_today, document, own_robot_file, record, still_overriding
 from giraff_tools.terminal.document import Report, no_report, print_report
 from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
