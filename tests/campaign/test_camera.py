@@ -14,12 +14,12 @@ from typing import Final
 import cv2
 import pytest
 
-from giraff_cli.calibrate.camera.board import find_board, missing
-from giraff_cli.calibrate.camera.guide import read
-from giraff_cli.calibrate.camera.lens import fit_lens, lens_of
-from giraff_cli.calibrate.camera.picture import UnusableError
-from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet, middle_of
 from giraff_core.sensors import Camera
+from giraff_setup.camera.board import find_board, missing
+from giraff_setup.camera.guide import read
+from giraff_setup.camera.lens import fit_lens, lens_of
+from giraff_setup.camera.picture import UnusableError
+from giraff_setup.camera.sheet import FloorPose, find_sheet, middle_of
 from giraff_sim.camera.renderer import Renderer
 from giraff_sim.camera.scene import Scene, Sheet
 from giraff_sim.camera.textures import FLOORS, Floor

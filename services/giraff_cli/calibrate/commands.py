@@ -100,7 +100,7 @@ def camera(
     Exit code: 0 done; 1 refused, nothing written; 2 not begun.
     """
     require_extra("calibrate camera", "cv2", "camera,cli")
-    from giraff_cli.calibrate.camera.command import calibrate_camera  # noqa: PLC0415
+    from giraff_setup.camera.calibrate import calibrate_camera  # noqa: PLC0415
 
     raise typer.Exit(calibrate_camera(which, pictures, robot, connect or (), file, as_json=as_json))
 

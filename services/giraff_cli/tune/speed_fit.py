@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_base.drives.wheels.config import SpeedControl
-from giraff_cli.condition import is_determined
 from giraff_core.bounds import bounds_of
 from giraff_core.counters import elapsed_us, restart, signed32
 from giraff_schemas.messages import Wheels
+from giraff_setup.condition import is_determined
 
 Vector = NDArray[np.float64]
 

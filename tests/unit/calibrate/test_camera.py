@@ -12,13 +12,13 @@ from typing import Final, NamedTuple
 import msgspec
 import pytest
 
-from giraff_cli.calibrate.camera.board import View, find_board, missing
-from giraff_cli.calibrate.camera.command import guide, measure_folder, measure_live
-from giraff_cli.calibrate.camera.guide import read
-from giraff_cli.calibrate.camera.lens import fit_lens, lens_of
-from giraff_cli.calibrate.camera.picture import Points, UnusableError
-from giraff_cli.calibrate.camera.sheet import find_sheet, middle_of
 from giraff_core.sensors import Camera
+from giraff_setup.camera.board import View, find_board, missing
+from giraff_setup.camera.calibrate import guide, measure_folder, measure_live
+from giraff_setup.camera.guide import read
+from giraff_setup.camera.lens import fit_lens, lens_of
+from giraff_setup.camera.picture import Points, UnusableError
+from giraff_setup.camera.sheet import find_sheet, middle_of
 from giraff_sim.board import ROOT
 from giraff_tools.chessboard import drawing
 from tests.support.camera_pictures import Studio, TrueCamera, board_views, drawn, sheets

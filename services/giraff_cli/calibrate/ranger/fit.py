@@ -13,11 +13,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from giraff_cli.condition import is_determined
 from giraff_core.bounds import bounds_of
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
 from giraff_core.sensors import UltrasonicModel
+from giraff_setup.condition import is_determined
 
 FEWEST: Final = 10
 """Echoes at each rest."""

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_cli.calibrate.camera.lens import Lens
-from giraff_cli.calibrate.camera.picture import Grey, Points, UnusableError
-from giraff_cli.condition import is_determined
+from giraff_setup.camera.lens import Lens
+from giraff_setup.camera.picture import Grey, Points, UnusableError
+from giraff_setup.condition import is_determined
 from giraff_tools.chessboard import A4
 
 _LEVELS: Final = 12

@@ -8,8 +8,8 @@ from typing import Final, NamedTuple
 import cv2
 import numpy as np
 
-from giraff_cli.calibrate.camera.lens import Lens, board_corners
-from giraff_cli.calibrate.camera.picture import Grey, Points, UnusableError
+from giraff_setup.camera.lens import Lens, board_corners
+from giraff_setup.camera.picture import Grey, Points, UnusableError
 from giraff_tools.chessboard import COLUMNS, ROWS
 
 _PATTERN: Final = (COLUMNS, ROWS)

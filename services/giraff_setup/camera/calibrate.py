@@ -7,16 +7,16 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.calibrate.camera.conclusion import calibrated, changed, in_words
-from giraff_cli.calibrate.camera.folder import lens_from, poses_from
-from giraff_cli.calibrate.camera.guide import Pictures, take_sheets, take_views
-from giraff_cli.calibrate.camera.lens import Lens, LensFit, lens_of
-from giraff_cli.calibrate.camera.picture import UnusableError
-from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.picture_client import PictureClient
+from giraff_setup.camera.conclusion import calibrated, changed, in_words
+from giraff_setup.camera.folder import lens_from, poses_from
+from giraff_setup.camera.guide import Pictures, take_sheets, take_views
+from giraff_setup.camera.lens import Lens, LensFit, lens_of
+from giraff_setup.camera.picture import UnusableError
+from giraff_setup.camera.sheet import FloorPose, middle_of
 from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import RobotFileError, before_today, document, own_robot_file, record

@@ -9,10 +9,10 @@ from typing import Any, Final
 import msgspec
 import numpy as np
 
-from giraff_cli.calibrate.camera.lens import LensFit, lens_of
-from giraff_cli.calibrate.camera.picture import UnusableError
-from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
 from giraff_core.sensors import Camera
+from giraff_setup.camera.lens import LensFit, lens_of
+from giraff_setup.camera.picture import UnusableError
+from giraff_setup.camera.sheet import FloorPose, middle_of
 
 _LARGE_CHANGE: Final = 0.2
 """Share of the height or the focal length."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.calibrate.camera.board import View, find_board, is_new, missing
-from giraff_cli.calibrate.camera.guide import read
-from giraff_cli.calibrate.camera.lens import FEWEST, Lens, LensFit, fit_lens
-from giraff_cli.calibrate.camera.picture import Grey, UnusableError
-from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet
+from giraff_setup.camera.board import View, find_board, is_new, missing
+from giraff_setup.camera.guide import read
+from giraff_setup.camera.lens import FEWEST, Lens, LensFit, fit_lens
+from giraff_setup.camera.picture import Grey, UnusableError
+from giraff_setup.camera.sheet import FloorPose, find_sheet
 from giraff_tools.terminal.human import Human
 
 SHEET: Final = "sheet"

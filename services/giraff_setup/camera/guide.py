@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from typing import Final, Protocol
 
-from giraff_cli.calibrate.camera.board import View, find_board, is_new, is_still, missing
-from giraff_cli.calibrate.camera.lens import FEWEST, Lens, LensFit, fit_lens
-from giraff_cli.calibrate.camera.picture import Grey, UnusableError, decode
-from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet, middle_of
+from giraff_setup.camera.board import View, find_board, is_new, is_still, missing
+from giraff_setup.camera.lens import FEWEST, Lens, LensFit, fit_lens
+from giraff_setup.camera.picture import Grey, UnusableError, decode
+from giraff_setup.camera.sheet import FloorPose, find_sheet, middle_of
 from giraff_tools.terminal.human import Human
 
 PLACES: Final = 3
