@@ -137,6 +137,6 @@ def ranger(file: File = None, robot: Robot = None, connect: Connect = None, as_j
     Exit code: 0 done; 1 refused, nothing written; 2 not begun.
     """
     require_extra("calibrate ranger", "numpy", "analysis,cli")
-    from giraff_cli.calibrate.ranger.command import calibrate_ranger  # noqa: PLC0415
+    from giraff_setup.ultrasonic.calibrate import calibrate_ranger  # noqa: PLC0415
 
     raise typer.Exit(calibrate_ranger(robot, connect or (), file, as_json=as_json))

@@ -8,7 +8,6 @@ from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
-from giraff_cli.calibrate.answers import heading, number
 from giraff_cli.calibrate.fit import UndeterminedError, fit
 from giraff_cli.calibrate.listening import WheelListener
 from giraff_cli.calibrate.plan import PLAN, Leg
@@ -17,6 +16,7 @@ from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_cli.calibrate.variance import SLIP
 from giraff_cli.calibrate.windows import WHOLE, residuals, uncertainty, windows_of
 from giraff_schemas.messages import Wheels
+from giraff_setup.answers import heading, number
 from giraff_tools.terminal.human import Human
 
 _ODD: Final = 16.3

@@ -11,12 +11,6 @@ from typing import Any, Final
 import msgspec
 import pytest
 
-from giraff_cli.calibrate.ranger import stand
-from giraff_cli.calibrate.ranger.command import guide
-from giraff_cli.calibrate.ranger.conclusion import bounded, placed, warning
-from giraff_cli.calibrate.ranger.fit import Echo, SensorFit
-from giraff_cli.calibrate.ranger.heard import Hearing
-from giraff_cli.calibrate.ranger.procedure import Measured, StoppedError, measure
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig, SensorPose
@@ -25,6 +19,12 @@ from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import load
 from giraff_schemas.messages import Lease, Odometry, Range
 from giraff_schemas.motion import Move, Turn
+from giraff_setup.ultrasonic import stand
+from giraff_setup.ultrasonic.calibrate import guide
+from giraff_setup.ultrasonic.conclusion import bounded, placed, warning
+from giraff_setup.ultrasonic.fit import Echo, SensorFit
+from giraff_setup.ultrasonic.heard import Hearing
+from giraff_setup.ultrasonic.procedure import Measured, StoppedError, measure
 from giraff_sim.board import ROOT
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import SonarFault

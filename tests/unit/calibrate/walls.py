@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from random import Random
 from typing import Final, Protocol
 
-from giraff_cli.calibrate.ranger.fit import Echo
-from giraff_cli.calibrate.ranger.procedure import TURN_SPEED, StoppedError
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
 from giraff_core.robot import RobotConfig
 from giraff_schemas.motion import Move, Step, Turn
 from giraff_schemas.wire import ECHO_US_PER_M
+from giraff_setup.ultrasonic.fit import Echo
+from giraff_setup.ultrasonic.procedure import TURN_SPEED, StoppedError
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.world import room as sim

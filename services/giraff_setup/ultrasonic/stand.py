@@ -8,15 +8,15 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from typing import Any, Final
 
-from giraff_cli.calibrate.ranger.fit import Echo
-from giraff_cli.calibrate.ranger.heard import Hearing
-from giraff_cli.calibrate.ranger.procedure import SPEED, TURN_SPEED, StoppedError
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
 from giraff_node.motion_client import TURN, MotionClient, Wish
 from giraff_schemas.messages import Sample
 from giraff_schemas.motion import Step
 from giraff_schemas.topics import LEASE, ODOM, RANGE, Topic
+from giraff_setup.ultrasonic.fit import Echo
+from giraff_setup.ultrasonic.heard import Hearing
+from giraff_setup.ultrasonic.procedure import SPEED, TURN_SPEED, StoppedError
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.terminal.program import user_at_host
 

@@ -8,12 +8,12 @@ from typing import Final, NamedTuple, Protocol
 
 import msgspec
 
-from giraff_cli.calibrate.answers import number
-from giraff_cli.calibrate.ranger.fit import Echo, SensorFit, UntoldError, Wall, fit, wall_of
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_schemas.motion import Move, Step, Turn
+from giraff_setup.answers import number
+from giraff_setup.ultrasonic.fit import Echo, SensorFit, UntoldError, Wall, fit, wall_of
 from giraff_tools.terminal.human import Human, agrees
 
 SPEED: Final = 0.15  # m/s

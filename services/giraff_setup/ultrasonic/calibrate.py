@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, Protocol
 
-from giraff_cli.calibrate.ranger.conclusion import bounded, changed, in_words, placed, warning
-from giraff_cli.calibrate.ranger.procedure import PINGS, Stand, StoppedError, measure
-from giraff_cli.calibrate.ranger.stand import NetworkStand
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_setup.ultrasonic.conclusion import bounded, changed, in_words, placed, warning
+from giraff_setup.ultrasonic.procedure import PINGS, Stand, StoppedError, measure
+from giraff_setup.ultrasonic.stand import NetworkStand
 from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import (

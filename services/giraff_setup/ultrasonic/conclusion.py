@@ -8,7 +8,6 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from giraff_cli.calibrate.ranger.procedure import Measured, looks
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_guard.config import GuardConfig
@@ -16,6 +15,7 @@ from giraff_guard.limits import SIGN, Limits
 from giraff_guard.ultrasonic.direction import UltrasonicDirection
 from giraff_guard.ultrasonic.nearest import Nearest
 from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_setup.ultrasonic.procedure import Measured, looks
 
 _NOTHING: Final = 0.0005
 """m. A smaller change of an obstacle's distance is none."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_cli.calibrate.ranger.fit import Echo
 from giraff_core.kinematics.frame_errors import FutureError, GapError, PastError
 from giraff_core.kinematics.pose import Pose
 from giraff_core.kinematics.pose_history import PoseHistory
 from giraff_schemas.messages import Lease, Odometry, Range, Sample
 from giraff_schemas.services import MOTION
 from giraff_schemas.wire import ECHO_US_PER_M
+from giraff_setup.ultrasonic.fit import Echo
 
 _MOST_WAITING: Final = 200
 """Pings whose pose has not come yet."""
