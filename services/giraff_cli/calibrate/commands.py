@@ -65,10 +65,10 @@ def odometry(  # noqa: PLR0913, PLR0917  one argument an option
     """
     require_extra("calibrate odometry", "numpy", "analysis,cli")
     if not (fit or check or metadata or more):
-        from giraff_cli.calibrate.guided import calibrate_odometry  # noqa: PLC0415
+        from giraff_setup.wheels.odometry.calibrate import calibrate_odometry  # noqa: PLC0415
 
         raise typer.Exit(calibrate_odometry(robot, connect or (), file, force=force, as_json=as_json))
-    from giraff_cli.calibrate.recorded.command import CommandLine, calibrate_recorded  # noqa: PLC0415
+    from giraff_setup.wheels.odometry.recorded.calibrate import CommandLine, calibrate_recorded  # noqa: PLC0415
 
     asked = CommandLine(fit or (), check or (), more or (), metadata, file, force, is_live=bool(robot or connect))
     raise typer.Exit(calibrate_recorded(asked, as_json=as_json))

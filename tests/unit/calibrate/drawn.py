@@ -8,16 +8,16 @@ from typing import NamedTuple
 
 import msgspec
 
-from giraff_cli.calibrate.fit import Fit, fit
-from giraff_cli.calibrate.plan import PLAN
-from giraff_cli.calibrate.procedure import Procedure
-from giraff_cli.calibrate.runs import Geometry
 from giraff_core.kinematics.calibration import Calibration, Scales
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
+from giraff_setup.wheels.odometry.fit import Fit, fit
+from giraff_setup.wheels.odometry.plan import PLAN
+from giraff_setup.wheels.odometry.procedure import Procedure
+from giraff_setup.wheels.odometry.runs import Geometry
 from giraff_sim.world.room import Pose
 from tests.support.floor_robot import FloorRobot
 from tests.unit.calibrate.person import Person

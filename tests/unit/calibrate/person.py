@@ -10,9 +10,9 @@ from typing import Final, NamedTuple, Protocol
 
 import msgspec
 
-from giraff_cli.calibrate.runs import Geometry
 from giraff_core.counters import signed32
 from giraff_schemas.messages import Wheels
+from giraff_setup.wheels.odometry.runs import Geometry
 from tests.unit.cli.samples import wheels
 
 GEOMETRY: Final = Geometry(2000.0, 0.5)

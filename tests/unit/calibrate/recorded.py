@@ -9,10 +9,10 @@ from functools import cache
 
 import numpy as np
 
-from giraff_cli.calibrate.fit import Fit, fit
-from giraff_cli.calibrate.paths import Floats, path
-from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_core.kinematics.calibration import Scales
+from giraff_setup.wheels.odometry.fit import Fit, fit
+from giraff_setup.wheels.odometry.paths import Floats, path
+from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
 from tests.rules.repository import ROOT
 
 DATA = ROOT / "tests" / "data" / "optiodom"

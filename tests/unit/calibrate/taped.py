@@ -6,9 +6,9 @@ import math
 import random
 from typing import Final
 
-from giraff_cli.calibrate.plan import POSITION_SD, YAW_SD
 from giraff_core.kinematics.calibration import Scales
 from giraff_schemas.messages import Wheels
+from giraff_setup.wheels.odometry.plan import POSITION_SD, YAW_SD
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
 from giraff_sim.world.room import Pose
 from tests.support.floor_robot import FloorRobot

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-import giraff_cli.calibrate.fit
-from giraff_cli.calibrate.fit import Fit, UndeterminedError, fit
-from giraff_cli.calibrate.paths import end_errors
-from giraff_cli.calibrate.runs import Run
+import giraff_setup.wheels.odometry.fit
 from giraff_core.kinematics.calibration import Calibration, Scales, cholesky
+from giraff_setup.wheels.odometry.fit import Fit, UndeterminedError, fit
+from giraff_setup.wheels.odometry.paths import end_errors
+from giraff_setup.wheels.odometry.runs import Run
 from tests.unit.calibrate.recorded import (
     CHECKED,
     FITTED,
@@ -49,7 +49,7 @@ def test_runs_that_were_not_fitted_end_nearer(session: str, left_over: float) ->
 def test_that_does_not_hang_on_how_long_a_window_is(
     session: str, length: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(giraff_cli.calibrate.fit, "LENGTH", length)
+    monkeypatch.setattr(giraff_setup.wheels.odometry.fit, "LENGTH", length)
     before, after = mean_end_errors(recorded(session, CHECKED), fit(recorded(session, FITTED), GEOMETRY))
     print(f"{session} in windows of {length} m: {before:.4f} m -> {after:.4f} m")
     assert after <= 0.5 * before

@@ -12,13 +12,13 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.calibrate.guided import guide
-from giraff_cli.calibrate.plan import PLAN
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import by_type
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import simulated_name
+from giraff_setup.wheels.odometry.calibrate import guide
+from giraff_setup.wheels.odometry.plan import PLAN
 from giraff_sim.board import ROOT
 from giraff_tools.robot_file import own_robot_file
 from tests.unit.calibrate.person import Act, Person

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from giraff_cli.calibrate.plan import PLAN
 from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_setup.wheels.odometry.plan import PLAN
 from giraff_sim.truth import TruthRanges
 from tests.unit.calibrate.drawn import calibrated
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from giraff_cli.calibrate.plan import PLAN
-from giraff_cli.calibrate.procedure import Measured, Procedure
+from giraff_setup.wheels.odometry.plan import PLAN
+from giraff_setup.wheels.odometry.procedure import Measured, Procedure
 from giraff_tools.terminal.human import NobodyError
 from tests.unit.calibrate.person import GEOMETRY, Act, FiledRobot, Person
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.calibrate.judgement import Checked, Judgement
-from giraff_cli.calibrate.recorded import tables
 from giraff_core.kinematics.calibration import Scales
+from giraff_setup.wheels.odometry.judgement import Checked, Judgement
+from giraff_setup.wheels.odometry.recorded import tables
 from tests.unit.calibrate.recorded import table_of
 from tests.unit.calibrate.test_recorded import CHECK, FIT, METADATA, OTHERS, made_up, refused, robot_file, save, say
 from tests.unit.cli.typed import Giraff

@@ -8,9 +8,6 @@ import cv2
 import numpy as np
 import pytest
 
-from giraff_cli.calibrate.fit import UndeterminedError, fit
-from giraff_cli.calibrate.runs import Geometry
-from giraff_cli.calibrate.windows import uncertainty, windows_of
 from giraff_core.sensors import Camera
 from giraff_schemas.motion import Turn
 from giraff_setup.camera.lens import board_corners, fit_lens, lens_of
@@ -19,6 +16,9 @@ from giraff_setup.camera.sheet import find_sheet
 from giraff_setup.condition import is_determined
 from giraff_setup.ultrasonic.fit import UntoldError, wall_of
 from giraff_setup.ultrasonic.fit import fit as fit_sensor
+from giraff_setup.wheels.odometry.fit import UndeterminedError, fit
+from giraff_setup.wheels.odometry.runs import Geometry
+from giraff_setup.wheels.odometry.windows import uncertainty, windows_of
 from tests.support.robots import ROBOT
 from tests.unit.calibrate.recorded import NOMINAL, driven, straight
 from tests.unit.calibrate.walls import DrawnStand

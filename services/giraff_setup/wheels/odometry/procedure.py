@@ -8,15 +8,15 @@ from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
-from giraff_cli.calibrate.fit import UndeterminedError, fit
-from giraff_cli.calibrate.listening import WheelListener
-from giraff_cli.calibrate.plan import PLAN, Leg
-from giraff_cli.calibrate.plausible import driven_fault, end, length, measured_fault
-from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
-from giraff_cli.calibrate.variance import SLIP
-from giraff_cli.calibrate.windows import WHOLE, residuals, uncertainty, windows_of
 from giraff_schemas.messages import Wheels
 from giraff_setup.answers import heading, number
+from giraff_setup.wheels.odometry.fit import UndeterminedError, fit
+from giraff_setup.wheels.odometry.listening import WheelListener
+from giraff_setup.wheels.odometry.plan import PLAN, Leg
+from giraff_setup.wheels.odometry.plausible import driven_fault, end, length, measured_fault
+from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
+from giraff_setup.wheels.odometry.variance import SLIP
+from giraff_setup.wheels.odometry.windows import WHOLE, residuals, uncertainty, windows_of
 from giraff_tools.terminal.human import Human
 
 _ODD: Final = 16.3

@@ -12,10 +12,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import Floats
-from giraff_cli.calibrate.windows import Uncertainty
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_setup.condition import is_determined
+from giraff_setup.wheels.odometry.paths import Floats
+from giraff_setup.wheels.odometry.windows import Uncertainty
 
 SLIP: Final = WHEEL_NOISE
 """m² per metre: what odometry takes the wheels' slip for, where the residuals are too few to tell."""

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.calibrate.conclusion import UNUSABLE, complain, conclude
-from giraff_cli.calibrate.heard import NetworkWheels, differences
-from giraff_cli.calibrate.procedure import Procedure, WheelSource
-from giraff_cli.calibrate.runs import Geometry
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import is_simulated_here, others
+from giraff_setup.wheels.odometry.conclusion import UNUSABLE, complain, conclude
+from giraff_setup.wheels.odometry.heard import NetworkWheels, differences
+from giraff_setup.wheels.odometry.procedure import Procedure, WheelSource
+from giraff_setup.wheels.odometry.runs import Geometry
 from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import own_robot_file

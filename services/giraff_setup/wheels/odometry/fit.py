@@ -15,12 +15,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import Floats, way
-from giraff_cli.calibrate.runs import Geometry, Run
-from giraff_cli.calibrate.variance import SLIP, Linear, Noise, noise_of, solve
-from giraff_cli.calibrate.windows import LENGTH, WHOLE, Uncertainty, residuals, uncertainty, windows_of
 from giraff_core.kinematics.calibration import Calibration, Covariance, Scales
 from giraff_setup.condition import is_determined
+from giraff_setup.wheels.odometry.paths import Floats, way
+from giraff_setup.wheels.odometry.runs import Geometry, Run
+from giraff_setup.wheels.odometry.variance import SLIP, Linear, Noise, noise_of, solve
+from giraff_setup.wheels.odometry.windows import LENGTH, WHOLE, Uncertainty, residuals, uncertainty, windows_of
 
 _TELLING: Final = 6
 """Residuals beyond the three that are fitted, from which on they tell how large what is random is."""

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_core.kinematics.calibration import Scales
+from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
 
 Floats = NDArray[np.float64]
 

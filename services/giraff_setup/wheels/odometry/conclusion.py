@@ -10,8 +10,8 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_cli.calibrate.fit import UndeterminedError, fit
-from giraff_cli.calibrate.judgement import (
+from giraff_setup.wheels.odometry.fit import UndeterminedError, fit
+from giraff_setup.wheels.odometry.judgement import (
     for_programs,
     in_words,
     is_known_already,
@@ -19,7 +19,7 @@ from giraff_cli.calibrate.judgement import (
     table_of,
     too_large_a_change,
 )
-from giraff_cli.calibrate.runs import Geometry, Run
+from giraff_setup.wheels.odometry.runs import Geometry, Run
 from giraff_tools.robot_file import RobotFileError, record
 from giraff_tools.terminal.page import print_wrapped
 

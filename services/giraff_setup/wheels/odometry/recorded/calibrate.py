@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from giraff_cli.calibrate.conclusion import UNUSABLE, complain, conclude
-from giraff_cli.calibrate.recorded.slips import require_plausible
-from giraff_cli.calibrate.recorded.tables import RecordingError, as_run, read_metadata, read_table
-from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_setup.wheels.odometry.conclusion import UNUSABLE, complain, conclude
+from giraff_setup.wheels.odometry.recorded.slips import require_plausible
+from giraff_setup.wheels.odometry.recorded.tables import RecordingError, as_run, read_metadata, read_table
+from giraff_setup.wheels.odometry.runs import Geometry, Run
 from giraff_tools.terminal.document import Report, print_report
 from giraff_tools.terminal.program import redirected
 

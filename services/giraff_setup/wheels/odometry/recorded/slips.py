@@ -8,8 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import Floats, path, wrapped
-from giraff_cli.calibrate.recorded.tables import (
+from giraff_core.kinematics.calibration import Scales
+from giraff_setup.wheels.odometry.paths import Floats, path, wrapped
+from giraff_setup.wheels.odometry.recorded.tables import (
     LEFT,
     NO_WHEEL_TURNED,
     RIGHT,
@@ -21,9 +22,8 @@ from giraff_cli.calibrate.recorded.tables import (
     as_run,
     unwrapped,
 )
-from giraff_cli.calibrate.runs import Geometry, Run
-from giraff_cli.calibrate.windows import LENGTH, Window, residuals, windows_of
-from giraff_core.kinematics.calibration import Scales
+from giraff_setup.wheels.odometry.runs import Geometry, Run
+from giraff_setup.wheels.odometry.windows import LENGTH, Window, residuals, windows_of
 
 _OFF: Final = 0.25
 """Of what was measured: what odometry may be off within a window. With every scale at its limit it is less."""

@@ -6,11 +6,11 @@ from typing import Final
 
 import numpy as np
 
-from giraff_cli.calibrate.plan import POSITION_SD, YAW_SD
-from giraff_cli.calibrate.runs import Run
 from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
 from giraff_core.kinematics.standstill import Standstill
 from giraff_schemas.messages import Wheels
+from giraff_setup.wheels.odometry.plan import POSITION_SD, YAW_SD
+from giraff_setup.wheels.odometry.runs import Run
 
 _REST: Final = 0.5
 """s without motion that count as standing."""

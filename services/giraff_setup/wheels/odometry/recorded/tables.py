@@ -14,10 +14,10 @@ from typing import Final
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import Floats
-from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_core.bounds import Bounds
 from giraff_schemas.text import plain
+from giraff_setup.wheels.odometry.paths import Floats
+from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
 
 TIME, X, Y, YAW, RIGHT, LEFT = range(6)
 """Columns."""

@@ -8,10 +8,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import path, travels, way
-from giraff_cli.calibrate.plan import Leg
-from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_core.kinematics.calibration import Scales
+from giraff_setup.wheels.odometry.paths import path, travels, way
+from giraff_setup.wheels.odometry.plan import Leg
+from giraff_setup.wheels.odometry.runs import Geometry, Run
 
 _EXPLAINED: Final = 0.10
 """Share by which wheels and track may differ from the robot file: far more than any that is measured at all."""
