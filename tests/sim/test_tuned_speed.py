@@ -11,9 +11,9 @@ import msgspec
 import pytest
 
 from giraff_base.drives.wheels.config import SpeedControl
-from giraff_cli.tune.speed_fit import DISTANCE, SPEED, Leg, follow, legs_of, measure
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import BoardKind, WheelsFrame
+from giraff_setup.wheels.speed.fit import DISTANCE, SPEED, Leg, follow, legs_of, measure
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from giraff_cli.tune.speed_fit import Motor
 from giraff_schemas.messages import RobotTime, Wheels
+from giraff_setup.wheels.speed.fit import Motor
 
 TICKS: Final = 2002.0594
 STEP: Final = 0.01  # s

@@ -24,7 +24,7 @@ def wheels(port: Port = None, as_json: AsJson = False) -> None:
     Asks before each step; giraff_base must not run. Exit code: 0 written; 1 in doubt, nothing written; 2 not begun.
     """
     require_extra("check wheels", "serial", "cli,serial")
-    from giraff_cli.check.wheels import check_wheels  # noqa: PLC0415
+    from giraff_setup.wheels.check import check_wheels  # noqa: PLC0415
 
     raise typer.Exit(check_wheels(port, as_json=as_json))
 

@@ -58,6 +58,6 @@ def speed(
     Exit code: 0 done, or the file drives as well and stays; 1 refused or stopped, the file is as it was; 2 not begun.
     """
     require_extra("tune speed", "numpy", "analysis,cli")
-    from giraff_cli.tune.speed import tune_speed  # noqa: PLC0415
+    from giraff_setup.wheels.speed.tune import tune_speed  # noqa: PLC0415
 
     raise typer.Exit(tune_speed(robot, connect or (), file, as_json=as_json))

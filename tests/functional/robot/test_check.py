@@ -10,8 +10,8 @@ from typing import IO
 
 import pytest
 
-from giraff_cli.check.wiring import SIDES
 from giraff_schemas.wire import Wiring
+from giraff_setup.wheels.wiring import SIDES
 from giraff_sim.board import ROOT
 from giraff_sim.control.client import SimulatorClient
 from tests.support.elsewhere import GIRAFF, clean

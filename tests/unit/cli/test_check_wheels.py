@@ -10,11 +10,11 @@ from typing import ClassVar
 
 import pytest
 
-from giraff_cli.check import wheels as check_wheels
-from giraff_cli.check.bench import BenchError, Levels
-from giraff_cli.check.wiring import SIDES, Counted, DoubtError
 from giraff_schemas.boards import ARDROS_BOARD, BoardType
 from giraff_schemas.wire import Latch, Wiring
+from giraff_setup.wheels import check as check_wheels
+from giraff_setup.wheels.bench import BenchError, Levels
+from giraff_setup.wheels.wiring import SIDES, Counted, DoubtError
 from giraff_sim.board import ROOT
 
 LEVEL = 25

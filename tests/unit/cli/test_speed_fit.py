@@ -8,9 +8,9 @@ from typing import Final
 import pytest
 
 from giraff_base.drives.wheels.config import SpeedControl
-from giraff_cli.tune.speed_fit import CannotTellError, Follow, Motor, fastest, identify, legs_of, propose
-from giraff_cli.tune.speed_report import tell_drive, tell_fastest
 from giraff_schemas.messages import Wheels
+from giraff_setup.wheels.speed.fit import CannotTellError, Follow, Motor, fastest, identify, legs_of, propose
+from giraff_setup.wheels.speed.report import tell_drive, tell_fastest
 from tests.support.driven_wheels import MOTORS, TICKS, drive
 
 

@@ -13,13 +13,11 @@ from typing import Any, Final, cast
 import msgspec
 import pytest
 
-import giraff_cli.tune.speed
 import giraff_node.motion_client
 import giraff_node.network.query_client
+import giraff_setup.wheels.speed.tune
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import SpeedControl
-from giraff_cli.tune import speed_drive
-from giraff_cli.tune.speed_fit import Motor
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load
 from giraff_schemas.codec import encode
@@ -27,6 +25,8 @@ from giraff_schemas.messages import Battery, Lease
 from giraff_schemas.motion import Move
 from giraff_schemas.params import Param, ParamAnswer
 from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, PARAM_DESCRIBE, WHEELS, key_of
+from giraff_setup.wheels.speed import drive as speed_drive
+from giraff_setup.wheels.speed.fit import Motor
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.terminal.human import NobodyError
 from giraff_tools.terminal.signals import StopSignal
@@ -66,8 +66,8 @@ class Desk:
         self._asked, self._began, self._wheels = 0, 0.0, drive()
         for module in (speed_drive, giraff_node.motion_client, giraff_node.network.query_client):
             patch.setattr(module, "time", self.clock)
-        patch.setattr(giraff_cli.tune.speed, "run_with_robot", self._visit)
-        patch.setattr(giraff_cli.tune.speed, "Terminal", lambda *_: self)
+        patch.setattr(giraff_setup.wheels.speed.tune, "run_with_robot", self._visit)
+        patch.setattr(giraff_setup.wheels.speed.tune, "Terminal", lambda *_: self)
         self.clock.every(STEP, self._roll)
         self.clock.every(0.1, self._lease)
 

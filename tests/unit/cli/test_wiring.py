@@ -6,7 +6,8 @@ from typing import Literal
 
 import pytest
 
-from giraff_cli.check.wiring import (
+from giraff_schemas.wire import Wiring
+from giraff_setup.wheels.wiring import (
     SIDES,
     Counted,
     DoubtError,
@@ -15,7 +16,6 @@ from giraff_cli.check.wiring import (
     require_right,
     wiring_of,
 )
-from giraff_schemas.wire import Wiring
 
 TICKS = 400
 

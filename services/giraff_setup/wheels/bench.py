@@ -13,7 +13,6 @@ from typing import Final, NamedTuple
 
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import by_levels
-from giraff_cli.check.wiring import Counted, Side
 from giraff_core.counters import signed32
 from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.actions import RESET_COMMAND
@@ -27,6 +26,7 @@ from giraff_schemas.wire import (
     WheelsFrame,
     Wiring,
 )
+from giraff_setup.wheels.wiring import Counted, Side
 
 _SILENCE: Final = 2.0  # s; an adapter that resets its board costs half of it
 _STEP_WITHIN: Final = 2.0  # s for what the board does at once

@@ -6,8 +6,8 @@ import signal
 from types import FrameType
 from typing import Final, Protocol
 
-from giraff_cli.check.bench import Levels
-from giraff_cli.check.wiring import DoubtError, Side
+from giraff_setup.wheels.bench import Levels
+from giraff_setup.wheels.wiring import DoubtError, Side
 
 DONE: Final = 0
 IN_DOUBT: Final = 1

@@ -10,14 +10,24 @@ from typing import Final, Protocol
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
-from giraff_cli.tune.speed_fit import DISTANCE, RULE, CannotTellError, Follow, Leg, fastest, follow, legs_of, measure
-from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_follow, tell_motors
-from giraff_cli.tune.trial import TABLE, Trial
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.messages import Wheels
 from giraff_schemas.text import printable
+from giraff_setup.wheels.speed.drive import PATIENCE, SpeedDrive, UnfitDriveError
+from giraff_setup.wheels.speed.fit import (
+    DISTANCE,
+    RULE,
+    CannotTellError,
+    Follow,
+    Leg,
+    fastest,
+    follow,
+    legs_of,
+    measure,
+)
+from giraff_setup.wheels.speed.report import tell_changes, tell_drive, tell_fastest, tell_follow, tell_motors
+from giraff_setup.wheels.speed.trial import TABLE, Trial
 from giraff_tools.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import RobotFileError, document, own_robot_file, rehearse, still_overriding

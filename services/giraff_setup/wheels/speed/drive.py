@@ -8,12 +8,12 @@ from collections.abc import Callable, Mapping
 from contextlib import closing
 from typing import Any, Final
 
-from giraff_cli.tune.speed_fit import DISTANCE, SPEED
 from giraff_core.motion.result import MotionResult
 from giraff_node.motion_client import TURN, MotionClient, Wish
 from giraff_schemas.messages import Battery, GuardedCommand, Lease, Sample, Wheels
 from giraff_schemas.motion import Move
 from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, WHEELS, Topic
+from giraff_setup.wheels.speed.fit import DISTANCE, SPEED
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.limits import ask_base
 from giraff_tools.terminal.signals import StopSignal

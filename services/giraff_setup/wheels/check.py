@@ -10,8 +10,11 @@ from typing import Final, TypeVar
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.check.bench import BenchError, WheelBench
-from giraff_cli.check.lifted import (
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_schemas.wire import Latch, Wiring
+from giraff_setup.wheels.bench import BenchError, WheelBench
+from giraff_setup.wheels.lifted import (
     DONE,
     IN_DOUBT,
     INTERRUPTED,
@@ -21,7 +24,7 @@ from giraff_cli.check.lifted import (
     ask_lifted,
     levels_of,
 )
-from giraff_cli.check.wiring import (
+from giraff_setup.wheels.wiring import (
     SIDES,
     Counted,
     DoubtError,
@@ -32,9 +35,6 @@ from giraff_cli.check.wiring import (
     require_right,
     wiring_of,
 )
-from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import ConfigError, load, robot_file
-from giraff_schemas.wire import Latch, Wiring
 from giraff_tools.robot_file import RobotFileError, before_today, record, still_overriding
 from giraff_tools.terminal.document import Report, print_report
 

@@ -1,0 +1,1 @@
+"""Gains by which a board holds the speeds of two wheels."""
