@@ -15,13 +15,13 @@ from typing import Final
 import pytest
 import tomlkit
 
-from giraff_cli.check import encoders
 from giraff_core.robot import WIRING, RobotConfig
 from giraff_node.boards.board_link import BoardLink
 from giraff_node.boards.serial_link import SerialLink
 from giraff_node.config.robot_file import load
 from giraff_schemas.boards import BASE_BOARD, BoardType
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_setup.encoder import check as encoders
 from giraff_setup.wheels import bench
 from giraff_sim.board import ROOT, Board, Implementation, open_board
 from tests.support.encoder_disks import disk

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator
 from itertools import pairwise
 from math import exp
 
-from giraff_cli.check.transitions import Transition
 from giraff_core.encoder.pattern import Edge, Pattern
+from giraff_setup.encoder.transitions import Transition
 
 PAIRS = 40
 Change = tuple[float, tuple[bool, bool]]

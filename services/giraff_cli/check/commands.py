@@ -43,6 +43,6 @@ def encoders(
     Exit code: 0 fine; 1 something to put right; 2 not begun, or the board cannot do it.
     """
     require_extra("check encoders", "serial", "cli,serial")
-    from giraff_cli.check.encoders import check_encoders  # noqa: PLC0415
+    from giraff_setup.encoder.check import check_encoders  # noqa: PLC0415
 
     raise typer.Exit(check_encoders(port, svg, as_json=as_json))

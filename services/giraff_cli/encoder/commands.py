@@ -29,6 +29,6 @@ def print_disk(
     """
     if as_json and file is None:
         raise typer.BadParameter("--json: name the drawing's file, which is standard output itself without a name")
-    from giraff_cli.encoder.disk import print_disk as run  # noqa: PLC0415
+    from giraff_setup.encoder.disk import print_disk as run  # noqa: PLC0415
 
     raise typer.Exit(run(file, pairs, outer, inner, hole, as_json=as_json))

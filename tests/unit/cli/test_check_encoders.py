@@ -11,12 +11,12 @@ import msgspec
 import pytest
 import tomlkit
 
-from giraff_cli.check import encoders
-from giraff_cli.check.transitions import Transition
 from giraff_core.robot import WIRING
 from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import Frame, Latch, WheelsFrame, Wiring
 from giraff_schemas.wires.transitions import TRANSITIONS_MAX, TransitionsFrame, TransitionsRequestFrame
+from giraff_setup.encoder import check as encoders
+from giraff_setup.encoder.transitions import Transition
 from giraff_setup.wheels.bench import BenchError, Levels, Watch
 from giraff_setup.wheels.wiring import Counted
 from giraff_sim.board import ROOT

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.check.advice import advice
-from giraff_cli.check.quadrature import FEWEST, Turn, analyse
-from giraff_cli.check.traces import Trace, drawing, traces
-from giraff_cli.check.transitions import Transition, runs_of
+from giraff_setup.encoder.advice import advice
+from giraff_setup.encoder.quadrature import FEWEST, Turn, analyse
+from giraff_setup.encoder.traces import Trace, drawing, traces
+from giraff_setup.encoder.transitions import Transition, runs_of
 from tests.support.encoder_disks import PAIRS, disk, turned
 
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 from statistics import fmean, median, pstdev
 from typing import Final, NamedTuple
 
-from giraff_cli.check.transitions import CHANNELS, A, B, Edge, Run, Transition, runs_of
+from giraff_setup.encoder.transitions import CHANNELS, A, B, Edge, Run, Transition, runs_of
 
 FEWEST: Final = 40
 """Edges, of ten pairs: fewer are not judged."""

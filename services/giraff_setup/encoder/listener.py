@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_cli.check.transitions import Transition
 from giraff_schemas.wire import Frame, WheelsFrame
 from giraff_schemas.wires.transitions import (
     TRANSITIONS_HOLD_MS,
@@ -12,6 +11,7 @@ from giraff_schemas.wires.transitions import (
     TransitionsFrame,
     TransitionsRequestFrame,
 )
+from giraff_setup.encoder.transitions import Transition
 
 _ASK_EVERY_US: Final = TRANSITIONS_HOLD_MS * 1000 // 5
 _MUTE_US: Final = 20 * TRANSITIONS_PERIOD_MS * 1000  # a board that is asked answers in each period

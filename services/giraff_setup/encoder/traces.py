@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
 
-from giraff_cli.check.quadrature import Figures
-from giraff_cli.check.transitions import CHANNELS, Run, levels_between
+from giraff_setup.encoder.quadrature import Figures
+from giraff_setup.encoder.transitions import CHANNELS, Run, levels_between
 from giraff_tools.terminal.dots import ACROSS, Dots
 
 _PAIRS: Final = 6.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from giraff_cli.check.quadrature import FEWEST, Channel, Figures
 from giraff_schemas.trouble import Trouble
+from giraff_setup.encoder.quadrature import FEWEST, Channel, Figures
 from giraff_tools.terminal.text import counted
 
 # The board counts each change of A by the level of B at that moment, so no edge of B may come near one of A. Ideally

@@ -10,15 +10,15 @@ from typing import Any, Final, NamedTuple
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.check.advice import advice
-from giraff_cli.check.listener import Listener, MuteBoardError
-from giraff_cli.check.quadrature import Channel, Figures, analyse
-from giraff_cli.check.traces import Trace, drawing, traces
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Latch, Wiring
 from giraff_schemas.wires.transitions import FRAME_CLASSES
+from giraff_setup.encoder.advice import advice
+from giraff_setup.encoder.listener import Listener, MuteBoardError
+from giraff_setup.encoder.quadrature import Channel, Figures, analyse
+from giraff_setup.encoder.traces import Trace, drawing, traces
 from giraff_setup.wheels.bench import RESTLESS, BenchError, RestlessError, WheelBench
 from giraff_setup.wheels.lifted import DONE, IN_DOUBT, INTERRUPTED, NOT_BEGUN, Human, Terminal, ask_lifted, levels_of
 from giraff_setup.wheels.wiring import SIDES, Counted, DoubtError, Side

@@ -1,0 +1,1 @@
+"""Encoders: printed disks, and both channels as the board sees them."""
