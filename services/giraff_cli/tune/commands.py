@@ -30,7 +30,7 @@ def balance(
     It asks no robot and changes none. Exit code: 0; 2 the file is none of a robot that balances, or is not sound.
     """
     require_extra("tune balance", "numpy", "analysis,cli")
-    from giraff_cli.tune.balance import tune_balance  # noqa: PLC0415
+    from giraff_setup.balancer.tune import tune_balance  # noqa: PLC0415
 
     raise typer.Exit(tune_balance(file, as_json=as_json))
 

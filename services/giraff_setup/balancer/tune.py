@@ -11,10 +11,10 @@ from typing import Any, Final, NamedTuple
 from giraff_base.drives.balancer.config import BalancingBody
 from giraff_base.drives.balancer.response import LEASH, respond
 from giraff_base.drives.balancer.stability import DELAYS, MARGIN, PERIOD, Gains, Loop
-from giraff_cli.tune.gains import gains_of
 from giraff_core.bounds import check_bounds
 from giraff_node.config.robot_file import ConfigError, read
 from giraff_schemas.checks import converted
+from giraff_setup.balancer.gains import gains_of
 from giraff_setup.curve import draw_curves
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.dots import takes_dots

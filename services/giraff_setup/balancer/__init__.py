@@ -1,0 +1,1 @@
+"""Gains of a robot that balances, from its masses and lengths."""
