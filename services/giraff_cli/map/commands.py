@@ -24,7 +24,7 @@ def show(
 
     Exit code: 0; 2 the file is no map that can be used, or OUT cannot be written.
     """
-    from giraff_cli.map.show import show as run  # noqa: PLC0415
+    from giraff_setup.map.show import show as run  # noqa: PLC0415
 
     raise typer.Exit(run(file, svg, as_json=as_json))
 
@@ -42,6 +42,6 @@ def convert(
 
     Exit code: 0 written; 2 not.
     """
-    from giraff_cli.map.convert import convert as run  # noqa: PLC0415
+    from giraff_setup.map.convert import convert as run  # noqa: PLC0415
 
     raise typer.Exit(run(room, out, resolution, as_json=as_json))

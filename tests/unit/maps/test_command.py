@@ -15,7 +15,7 @@ import pytest
 from rich.console import Console
 from rich.file_proxy import FileProxy
 
-import giraff_cli.map.show
+import giraff_setup.map.show
 from giraff_core.kinematics.pose import Pose
 from giraff_maps.floor_plan import FloorPlan
 from giraff_maps.read import read_map
@@ -101,7 +101,7 @@ def test_a_name_steers_neither_terminal_nor_drawing(giraff: Giraff, tmp_path: Pa
 def test_a_terminal_without_other_characters_gets_ascii(monkeypatch: pytest.MonkeyPatch) -> None:
     stdout = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     monkeypatch.setattr(sys, "stdout", stdout)
-    assert giraff_cli.map.show.show(FLAT, None) == 0
+    assert giraff_setup.map.show.show(FLAT, None) == 0
     stdout.seek(0)
     assert "#" in stdout.read()
 
@@ -116,7 +116,7 @@ def test_a_live_view_does_not_hide_what_a_terminal_takes(monkeypatch: pytest.Mon
 def test_it_is_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
     monkeypatch.setattr(shutil, "get_terminal_size", lambda *_, **__: os.terminal_size((41, 50)))
-    assert giraff_cli.map.show.show(FLAT, None) == 0
+    assert giraff_setup.map.show.show(FLAT, None) == 0
     _, *lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) == 40
 

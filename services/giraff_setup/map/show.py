@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.map.picture import picture
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_maps.read import read_map
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import printable
+from giraff_setup.map.picture import picture
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.dots import takes_dots
 from giraff_tools.terminal.floor import FloorDrawing

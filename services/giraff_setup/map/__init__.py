@@ -1,0 +1,1 @@
+"""Floor plans: drawn in a terminal, and written in another format."""
