@@ -18,8 +18,8 @@ from typing import Final
 
 import pytest
 
-from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.network import door_ports
+from giraff_setup.keys.manage import make_authority, make_bundle
 from giraff_sim.board import ROOT
 from tests.hosts.process_site import INSIDE, NUMBERS, PYTHON, ProcessSite
 from tests.hosts.switch import NETWORK

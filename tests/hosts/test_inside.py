@@ -13,8 +13,8 @@ from typing import Any, Final
 
 import pytest
 
-from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_node.network.session import certificates
+from giraff_setup.keys.manage import make_authority, make_bundle
 from tests.hosts.process_site import INSIDE, NAME, NUMBERS, PYTHON, ProcessSite
 from tests.hosts.switch import NETWORK
 from tests.support.keyboard_user import take

@@ -10,11 +10,11 @@ from typing import Any, Final
 
 import pytest
 
-from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig, link_of
 from giraff_node.network.key_bundle import BACKDATED
 from giraff_node.network.session import Role, session_config
+from giraff_setup.keys.manage import make_authority, make_bundle
 from tests.hosts.attempts import Attempt, Told
 from tests.hosts.images import CURRENT_COMPOSE
 from tests.hosts.lab import NAME, NUMBERS, PATIENCE, Lab, address

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_cli.keys.manage import make_authority, make_bundle
+from giraff_setup.keys.manage import make_authority, make_bundle
 from tests.support.elsewhere import clean
 from tests.support.sites import OWN_SOCKETS, ROUTER, Sites
 

@@ -6,8 +6,8 @@ import datetime as dt
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.access import AccessConfig
+from giraff_setup.keys.manage import make_authority, make_bundle
 
 ROBOT: Final = "sim-secured"
 HOSTS: Final = ("robot", "laptop", "desk", "unnamed")

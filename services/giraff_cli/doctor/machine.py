@@ -151,8 +151,8 @@ def _keys(network: NetworkConfig) -> tuple[Trouble, bool]:
     """What is wrong with this host's bundle, and whether no link comes about with it."""
     folder, now = Path(network.keys), datetime.now(UTC)
     if find_spec("cryptography") is not None:
-        from giraff_cli.keys.status import State, host_status  # noqa: PLC0415
         from giraff_keys.files import KeyFileError, read_certificate  # noqa: PLC0415
+        from giraff_setup.keys.status import State, host_status  # noqa: PLC0415
 
         try:
             status = host_status(folder, read_certificate(folder / CA_CERTIFICATE), now)

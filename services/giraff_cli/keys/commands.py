@@ -26,7 +26,7 @@ def init(folder: Folder = Path("keys"), as_json: AsJson = False) -> None:
 
     Exit code: 0 made; 2 not, and nothing is changed.
     """
-    from giraff_cli.keys import manage  # noqa: PLC0415
+    from giraff_setup.keys import manage  # noqa: PLC0415
 
     raise typer.Exit(manage.init(folder, manage.now(), as_json=as_json))
 
@@ -51,7 +51,7 @@ def host(
 
     Exit code: 0 made; 2 not, and nothing is changed.
     """
-    from giraff_cli.keys import manage  # noqa: PLC0415
+    from giraff_setup.keys import manage  # noqa: PLC0415
 
     raise typer.Exit(
         manage.host(folder, name, addresses or (), days=days, renew=renew, moment=manage.now(), as_json=as_json)
@@ -64,6 +64,6 @@ def list_keys(folder: Folder = Path("keys"), as_json: AsJson = False) -> None:
 
     Exit code: 0 all is well; 1 there is something to do; 2 something cannot be read.
     """
-    from giraff_cli.keys import manage  # noqa: PLC0415
+    from giraff_setup.keys import manage  # noqa: PLC0415
 
     raise typer.Exit(manage.show(folder, manage.now(), as_json=as_json))

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.keys.manage import RefusedError, statuses
+from giraff_setup.keys.manage import RefusedError, statuses
 from tests.rules.repository import ROOT
 from tests.unit.keys.folders import NOW, authority, bundle, contents
 

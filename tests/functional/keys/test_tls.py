@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 import zenoh
 
-from giraff_cli.keys.manage import now
 from giraff_node.network.session import close_session
+from giraff_setup.keys.manage import now
 from tests.support.waiting import wait
 from tests.unit.keys.folders import DAY, authority, bundle
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.keys.manage import now
+from giraff_setup.keys.manage import now
 from giraff_sim.board import ROOT
 from giraff_tools.network.ports import free_port
 from tests.functional.node.peers import SERVICE

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, ODOM, TICK, TILT, Topic, alive_key, key_of
+from giraff_setup.keys.manage import make_authority, make_bundle
 from tests.support.behind_router import BehindRouter
 from tests.support.fleet import (
     ANNE,

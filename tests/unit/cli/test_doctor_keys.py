@@ -10,7 +10,7 @@ import pytest
 import giraff_cli.doctor.examine
 from giraff_cli.doctor.examine import sum_up
 from giraff_cli.doctor.findings import Finding, Severity
-from giraff_cli.keys.manage import make_authority, make_bundle
+from giraff_setup.keys.manage import make_authority, make_bundle
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import Giraff

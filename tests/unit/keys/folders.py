@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from giraff_cli.keys.manage import make_authority, make_bundle
+from giraff_setup.keys.manage import make_authority, make_bundle
 
 NOW = datetime(2026, 11, 21, 12, tzinfo=UTC)
 DAY = timedelta(days=1)

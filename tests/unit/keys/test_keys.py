@@ -21,9 +21,9 @@ from cryptography.hazmat.primitives.serialization import (
 )
 from typer.testing import CliRunner
 
-from giraff_cli.keys import manage as keys
 from giraff_cli.main import app
 from giraff_node.network.session import CERTIFICATES
+from giraff_setup.keys import manage as keys
 from tests.unit.keys.folders import DAY, NOW, authority, bundle, contents
 
 

@@ -9,13 +9,13 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.access import AccessConfig, access_control
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.key_bundle import BUNDLE_FILE
 from giraff_node.network.session import session_config
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TILT, key_of
+from giraff_setup.keys.manage import make_authority, make_bundle
 
 ROBOT = "anne"
 ACCESS = AccessConfig(

@@ -9,10 +9,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_router.config import RouterConfig
 from giraff_router.main import router_config
 from giraff_router.policy import rules
+from giraff_setup.keys.manage import make_authority, make_bundle
 
 ANNE = {"robot": ["anne-pc"], "operators": {"laptop": ["joystick"]}}
 SECURED: dict[str, Any] = {"sites": ["home", "away"], "robots": {"anne": ANNE}}

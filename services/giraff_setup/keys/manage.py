@@ -13,12 +13,12 @@ from typing import Final
 import tomlkit
 from cryptography import x509
 
-from giraff_cli.keys.status import KeyStatus, State, authority_status, host_status, keys_command
 from giraff_keys.certificates import PROGRAM_MADE, CertificateError, addresses_of, common_name, new_authority, new_host
 from giraff_keys.files import CA_KEY, KeyFileError, read_authority, read_certificate
 from giraff_keys.folder import holding, lay_down
 from giraff_keys.host_names import Address, require_address, require_name, without_local
 from giraff_node.network.key_bundle import BUNDLE_FILE, CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
+from giraff_setup.keys.status import KeyStatus, State, authority_status, host_status, keys_command
 from giraff_tools.terminal.page import print_table
 from giraff_tools.terminal.text import json_line
 

@@ -1,0 +1,1 @@
+"""Certificates of the machines of a secured robot."""
