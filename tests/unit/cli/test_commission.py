@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 import tomlkit
 
-from giraff_cli.commission.steps import STEPS
 from giraff_core.robot import WIRING
+from giraff_setup.commission.steps import STEPS
 from giraff_sim.board import ROOT
 from tests.unit.cli.typed import Giraff
 

@@ -9,12 +9,12 @@ from typing import Any, Final
 import msgspec
 
 from giraff_base.config import BaseConfig
-from giraff_cli.commission.steps import STEPS, WHOLE_FILE, Step, StepResult
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import ConfigError, RawSettings, read
 from giraff_ranger.config import RangerConfig
+from giraff_setup.commission.steps import STEPS, WHOLE_FILE, Step, StepResult
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.output import guard_stdout
 from giraff_tools.terminal.page import print_json, print_table, print_wrapped
