@@ -1,1 +1,1 @@
-"""What sets a robot up: measurements, fits, drawings and files, named by the thing that they set up."""
+"""Tools that set a robot up: measurements, fits, drawings and files, in folders named by the thing that they set up."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_base.drives.balancer.config import BalancingBody
-from giraff_base.drives.balancer.stability import PERIOD, Gains
+from giraff_base.drives.balancer.setup import PERIOD, Gains
 
 Matrix = NDArray[np.float64]
 

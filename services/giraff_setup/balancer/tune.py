@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from giraff_base.drives.balancer.config import BalancingBody
-from giraff_base.drives.balancer.response import LEASH, respond
-from giraff_base.drives.balancer.stability import DELAYS, MARGIN, PERIOD, Gains, Loop
+from giraff_base.drives.balancer.setup import DELAYS, LEASH, MARGIN, PERIOD, Gains, Loop, respond
 from giraff_core.bounds import check_bounds
 from giraff_node.config.robot_file import ConfigError, read
 from giraff_schemas.checks import converted

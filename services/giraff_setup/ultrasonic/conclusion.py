@@ -8,13 +8,9 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from giraff_core.live import Live
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_guard.limits import SIGN, Limits
-from giraff_guard.ultrasonic.direction import UltrasonicDirection
-from giraff_guard.ultrasonic.nearest import Nearest
-from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.setup import distances
 from giraff_setup.ultrasonic.procedure import Measured, looks
 
 _NOTHING: Final = 0.0005
@@ -68,35 +64,12 @@ def farther(before: RobotConfig, after: RobotConfig, guard: GuardConfig) -> Fart
             for echo in (0.0, reach)
             for came in (0.0, way)
             for now, then in zip(
-                _judged(before, name, guard, echo, came), _judged(after, name, guard, echo, came), strict=True
+                distances(before, name, guard, echo, came), distances(after, name, guard, echo, came), strict=True
             )
         )
-        now, then = (_judged(robot, name, guard, 1.0, 0.0)[0] for robot in (before, after))
+        now, then = (distances(robot, name, guard, 1.0, 0.0)[0] for robot in (before, after))
         found.append(Farther(name, then - now, most))
     return max(found, key=lambda each: each.most)
-
-
-def _judged(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, came: float) -> tuple[float, ...]:
-    """Return m by which the guard judges an obstacle: straight ahead, at its worst slant, and where it remembers it.
-
-    `echo`: m, without a scale. `came`: m of way since. A sensor beside others is judged with them.
-    """
-    live = Live(guard)
-    limits = Limits(live, robot)
-    sensors = {each: Sensor(each, pose, live, robot.model(each)) for each, pose in robot.sensors.items()}
-    sensor, pose = sensors[name], robot.sensors[name]
-    distance = echo * pose.scale
-    remembered = min(distance, max(guard.memory_range, guard.silent_range))
-    judged = [sensor.offset + distance - came * abs(math.cos(pose.yaw))]
-    for way, sign in SIGN.items():
-        looking = UltrasonicDirection(way, limits, list(sensors.values())).sensors
-        if sensor in looking:
-            worst = Nearest(way, limits, looking).gap(sensor, distance)
-            judged += [
-                worst - came * abs(math.cos(pose.yaw)),
-                sign * (pose.x + remembered * math.cos(pose.yaw)),
-            ]
-    return tuple(judged)
 
 
 def warning(name: str, before: RobotConfig, after: RobotConfig, guard: GuardConfig) -> str:

@@ -11,8 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final, NamedTuple
 
-from giraff_base.drives.wheels.commands import WheelsCommands
-from giraff_base.drives.wheels.config import by_levels
+from giraff_base.drives.wheels.setup import WheelsCommands, by_levels
 from giraff_core.counters import signed32
 from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.actions import RESET_COMMAND

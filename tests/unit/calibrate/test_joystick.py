@@ -24,7 +24,7 @@ from giraff_node.config.robot_file import load
 from giraff_schemas.boards import JOYSTICK_BOARD, BoardType
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import TiltFrame, TiltStatus
-from giraff_setup.joystick import board, command
+from giraff_setup.joystick import board, calibrate
 from giraff_setup.joystick.attitude import PoseError, gravity_of
 from giraff_sim.board import ROOT
 from giraff_tools.terminal.human import NobodyError
@@ -143,7 +143,7 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("GIRAFF_CONFIG", str(copy))
     monkeypatch.setattr(board, "BoardLink", Link)
     monkeypatch.setattr(board, "_SILENCE", 0.0)
-    monkeypatch.setattr(command, "Terminal", Person)
+    monkeypatch.setattr(calibrate, "Terminal", Person)
     for name in ("truth", "pose", "status", "boot", "is_there", "shakes"):
         monkeypatch.setattr(Link, name, getattr(Link, name))
     for name, value in (("instead", {}), ("told", []), ("answer", "yes")):
@@ -161,7 +161,7 @@ def test_a_tilt_asks_for_its_own_direction_however_the_sensor_sits(
 ) -> None:
     truth = Truth(square, *off)
     monkeypatch.setattr(Link, "truth", truth)
-    assert command.calibrate_joystick(None, None) == 0
+    assert calibrate.calibrate_joystick(None, None) == 0
     config = load("joystick", JoystickConfig)
     for towards, degrees in itertools.product((0.0, 90.0, 180.0, 270.0), (0.0, 25.0)):
         joystick = JoystickPolicy(Live(config), ROBOT, "me")
@@ -196,7 +196,7 @@ def test_it_is_told_in_words(
     sits: Rows, words: str, path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(Link, "truth", Truth(sits, (2.1, 0.0)))
-    assert command.calibrate_joystick(None, path, as_json=True) == 0
+    assert calibrate.calibrate_joystick(None, path, as_json=True) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["tables"]["joystick"].keys() == {"mount_roll", "mount_pitch", "mount_yaw"}
     assert told["robot_file"] == str(path)
@@ -250,7 +250,7 @@ def test_any_doubt_writes_nothing(
 ) -> None:
     before = path.read_bytes()
     monkeypatch.setattr(Person, "instead", instead)
-    assert command.calibrate_joystick(None, None) == code
+    assert calibrate.calibrate_joystick(None, None) == code
     err = capsys.readouterr().err
     assert told in err
     assert "Nothing was written" in err
@@ -281,7 +281,7 @@ def test_a_pose_that_tells_nothing_is_asked_for_again(
     what: str, spoil: Callable[[], None], told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Person, "instead", {what: spoil})
-    assert command.calibrate_joystick(None, None) == 0
+    assert calibrate.calibrate_joystick(None, None) == 0
     assert any(each.startswith(told) for each in Person.told)
 
 
@@ -303,10 +303,10 @@ def test_where_the_port_is_taken_or_no_table_is_there_it_does_not_begin(
 ) -> None:
     monkeypatch.setattr(Link, "is_there", False)
     monkeypatch.setattr(Link, "fault", IN_USE.of("/dev/giraff-joystick"))
-    assert command.calibrate_joystick(None, None) == 2
+    assert calibrate.calibrate_joystick(None, None) == 2
     complaint = "/dev/giraff-joystick: in use by another process; end that one; giraff_joystick must not run meanwhile"
     assert capsys.readouterr().err == f"giraff calibrate joystick: {complaint}\n"
     path.write_text(re.sub(r"\[joystick\]\n(.+\n)*", "", path.read_text(encoding="utf-8")), encoding="utf-8")
-    assert command.calibrate_joystick("/dev/giraff-joystick", None) == 2
+    assert calibrate.calibrate_joystick("/dev/giraff-joystick", None) == 2
     assert "has no table [joystick]; add a line with this name" in capsys.readouterr().err
     assert not Person.told

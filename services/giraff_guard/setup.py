@@ -1,0 +1,36 @@
+"""The part of the guard that sets a sensor up: how far it judges an obstacle to be."""
+
+from __future__ import annotations
+
+import math
+
+from giraff_core.live import Live
+from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
+from giraff_guard.limits import SIGN, Limits
+from giraff_guard.ultrasonic.direction import UltrasonicDirection
+from giraff_guard.ultrasonic.nearest import Nearest
+from giraff_guard.ultrasonic.sensor import Sensor
+
+
+def distances(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, came: float) -> tuple[float, ...]:
+    """Return m by which the guard judges an obstacle: straight ahead, at its worst slant, and where it remembers it.
+
+    `echo`: m, without a scale. `came`: m of way since. A sensor beside others is judged with them.
+    """
+    live = Live(guard)
+    limits = Limits(live, robot)
+    sensors = {each: Sensor(each, pose, live, robot.model(each)) for each, pose in robot.sensors.items()}
+    sensor, pose = sensors[name], robot.sensors[name]
+    distance = echo * pose.scale
+    remembered = min(distance, max(guard.memory_range, guard.silent_range))
+    judged = [sensor.offset + distance - came * abs(math.cos(pose.yaw))]
+    for way, sign in SIGN.items():
+        looking = UltrasonicDirection(way, limits, list(sensors.values())).sensors
+        if sensor in looking:
+            worst = Nearest(way, limits, looking).gap(sensor, distance)
+            judged += [
+                worst - came * abs(math.cos(pose.yaw)),
+                sign * (pose.x + remembered * math.cos(pose.yaw)),
+            ]
+    return tuple(judged)
