@@ -33,7 +33,13 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
     optional: bool = False
     """A robot is whole without it."""
     simulated: bool = False
-    """A part of `giraff run`."""
+    """A part of every `giraff run`."""
+    option: Literal["", "web", "localize", "camera"] = ""
+    """Option of `giraff run` that starts it. Empty: none does."""
+    libraries: tuple[str, ...] = ()
+    """Modules that it imports, and that an installation may lack."""
+    extra: str = ""
+    """Extra of the distribution that brings them."""
     inside: bool = False
     """It listens to processes of its own host alone."""
 
@@ -73,6 +79,9 @@ WEB: Final = Service(
         *(t.POSE, t.CAMERA_STATE),
     ),
     optional=True,
+    option="web",
+    libraries=("aiohttp", "cryptography", "segno"),
+    extra="web",
 )
 """A page, for any number of browsers; whoever drives by one of them is this operator."""
 CLIENT: Final = Service(
@@ -93,6 +102,8 @@ ROS2: Final = Service(
         *(t.POSE, t.MAP, t.MOTION),
     ),
     optional=True,
+    libraries=("numpy", "rosbags", "xxhash"),
+    extra="ros2",
 )
 """The robot in ROS 2. Every program of ROS that drives it is this operator."""
 BASE: Final = Service(
@@ -154,6 +165,9 @@ LOCALIZATION: Final = Service(
     subscribes=(t.ODOM, t.RANGE),
     answers=(t.LOCALIZATION_SET_POSE, t.LOCALIZATION_GLOBAL),
     optional=True,
+    option="localize",
+    libraries=("numpy",),
+    extra="localization",
 )
 """Tells where the robot is on a map. No part of what keeps it from obstacles."""
 CAMERA: Final = Service(
@@ -163,6 +177,9 @@ CAMERA: Final = Service(
     publishes=(t.CAMERA, t.CAMERA_SMALL, t.CAMERA_STATE),
     subscribes=(t.TICK, t.CAMERA_ON),
     optional=True,
+    option="camera",
+    libraries=("numpy", "cv2"),
+    extra="camera",
 )
 """Shows who has asked for it what a camera sees. No part of what keeps the robot from obstacles."""
 VISION: Final = Service(
@@ -172,6 +189,9 @@ VISION: Final = Service(
     publishes=(t.VISUAL_ODOM, t.CAMERA_ON),
     subscribes=(t.ODOM, t.CAMERA_STATE, t.CAMERA, t.CAMERA_SMALL),
     optional=True,
+    option="camera",
+    libraries=("numpy", "cv2"),
+    extra="camera",
 )
 """Tells how a camera sees the robot move over the floor. It looks at the camera as long as it runs."""
 RECORDER: Final = Service(name="recorder", host="any", entry="main", optional=True)
@@ -228,4 +248,4 @@ ROLES: Final = {
 }
 """Names of those that `make install ROLE=…` starts, and the compose file with this profile."""
 SIMULATED: Final = tuple(service.name for service in SERVICES if service.simulated)
-"""Names of those that `giraff run` starts."""
+"""Names of those that every `giraff run` starts."""

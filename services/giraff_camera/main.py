@@ -9,12 +9,13 @@ from typing import Final
 from giraff_camera.config import CameraConfig, camera_of
 from giraff_node import Node
 from giraff_node.process.libraries import missing_library
+from giraff_schemas.services import CAMERA
 
 _REFUSED: Final = 2
 
 
 def main() -> None:
-    if why := missing_library():
+    if why := missing_library(CAMERA):
         print(f"giraff_camera: {why}", file=sys.stderr)
         sys.exit(_REFUSED)
     from giraff_camera.device.capture import Capture  # noqa: PLC0415  its libraries may be missing

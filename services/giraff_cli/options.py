@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from importlib.util import find_spec
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
+
+if TYPE_CHECKING:
+    from giraff_schemas.services import Service
 
 
 def finite(number: float | None) -> float | None:
@@ -69,6 +72,12 @@ def require_extra(verb: str, library: str, extras: str) -> None:
 
         typer.echo(f"giraff {verb}: the library {library} is missing; {remedy(extras)}", err=True)
         raise typer.Exit(_REFUSED)
+
+
+def require_service(verb: str, service: Service, extras: str) -> None:
+    """End with the remedy where a library of the service is not installed. `extras`: beside its own."""
+    for library in service.libraries:
+        require_extra(verb, library, f"{extras},{service.extra}")
 
 
 def require_tree(verb: str) -> None:

@@ -6,21 +6,19 @@ import gc
 import sys
 from collections.abc import Callable
 from contextlib import closing
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
 
 from giraff_node import Node
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.picture_client import PictureClient
-from giraff_node.process.libraries import remedy
+from giraff_node.process.libraries import missing_library
 from giraff_ros2.config import Ros2Config, endpoint
+from giraff_schemas.services import ROS2
 
 if TYPE_CHECKING:
     from giraff_ros2.cameras import PictureSource
     from giraff_ros2.rmw.session import RosSession
 
-LIBRARIES: Final = ("numpy", "rosbags", "xxhash")
-"""Libraries of the extra `ros2` that are imported."""
 _REFUSED: Final = 2
 _ROS_OWN: Final = (("localhost", 7447), ("127.0.0.1", 7447))
 """Where ROS processes look for their router unless somebody says otherwise."""
@@ -29,17 +27,11 @@ _EVERY_ADDRESS: Final = ("0.0.0.0", "::")  # noqa: S104  it is only compared
 
 
 def main() -> None:
-    if why := missing_library():
+    if why := missing_library(ROS2):
         print(f"giraff_ros2: {why}", file=sys.stderr)
         sys.exit(_REFUSED)
     with Node("ros2", Ros2Config) as node:
         run_ros2(node, lambda lines: node.log.info("in ROS's shell: %s", "; ".join(lines)))
-
-
-def missing_library() -> str:
-    """Name what is to be installed before `run_ros2` can be called; empty: all is there."""
-    missing = [library for library in LIBRARIES if find_spec(library) is None]
-    return f"the library {missing[0]} is missing; {remedy('ros2')}" if missing else ""
 
 
 def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> None:

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -15,10 +14,11 @@ import msgspec
 from giraff_node import Node
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.picture_client import PictureClient
-from giraff_node.process.libraries import remedy
+from giraff_node.process.libraries import missing_library
 from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import WebPage
+from giraff_schemas.services import WEB
 from giraff_schemas.text import plain
 from giraff_schemas.trouble import Trouble
 from giraff_web.camera import PictureSource
@@ -30,22 +30,15 @@ from giraff_web.service import Web
 if TYPE_CHECKING:
     from giraff_web.server.server import Site
 
-_LIBRARIES: Final = ("aiohttp", "cryptography")
 _REFUSED: Final = 2
 
 
 def main() -> None:
-    if why := missing_library():
+    if why := missing_library(WEB):
         print(f"giraff_web: {why}", file=sys.stderr)
         sys.exit(_REFUSED)
     with Node("web", WebConfig) as node:
         run_web(node, lambda addresses: _log_addresses(node, addresses))
-
-
-def missing_library() -> str:
-    """What is to be installed before `run_web` can be called; empty: all is there."""
-    missing = [library for library in _LIBRARIES if find_spec(library) is None]
-    return f"the library {missing[0]} is missing; {remedy('web')}" if missing else ""
 
 
 def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> None:

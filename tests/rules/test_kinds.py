@@ -25,7 +25,9 @@ ONE_FIRMWARE = frozenset(
     ("WheelsFrame", "DriveFrame", "SpeedFrame", "ConfigureFrame", "EstopFrame", "DriveState", "SpeedFlag")
 )
 """What the wire calls the frames and states of `firmware/base`."""
-MAY_NAME_IT = re.compile(r"giraff_base/drives/|giraff_sim/bodies/|giraff_sim/control/|giraff_setup/(wheels|encoder)/|/wire\.py$")
+MAY_NAME_IT = re.compile(
+    r"giraff_base/drives/|giraff_sim/bodies/|giraff_sim/control/|giraff_setup/(wheels|encoder)/|/wire\.py$"
+)
 
 
 def folders(parent: Path) -> set[str]:

@@ -24,6 +24,7 @@ from giraff_node.process.libraries import missing_library
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.codec import DecodeError
+from giraff_schemas.services import VISION
 from giraff_schemas.topics import CAMERA_PICTURES, VISUAL_ODOM, topic_of
 from giraff_telemetry.console import CleanConsole
 from giraff_tools.network.command import print_error
@@ -114,7 +115,7 @@ def _vision(
             except DecodeError as error:
                 strange.setdefault(sample.key, str(error))
 
-    if not (why := missing_library()):
+    if not (why := missing_library(VISION)):
         from giraff_cli.replay.vision import replay_vision  # noqa: PLC0415  needs that library
 
         try:

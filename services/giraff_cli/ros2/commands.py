@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from giraff_cli.options import Connect, Robot, require_extra
+from giraff_cli.options import Connect, Robot, require_service
 
 
 def ros2(
@@ -40,10 +40,9 @@ def ros2(
 
     Exit code: 0; 1 it failed; 2 there is no robot that tells its limits, or no way to ROS.
     """
-    from giraff_ros2.main import LIBRARIES  # noqa: PLC0415
+    from giraff_schemas.services import ROS2  # noqa: PLC0415
 
-    for library in LIBRARIES:
-        require_extra("ros2", library, "cli,ros2")
+    require_service("ros2", ROS2, "cli")
     from giraff_cli.ros2.serve import serve  # noqa: PLC0415
 
     given = {"namespace": namespace, "domain": domain, "distribution": distribution, "router": router}

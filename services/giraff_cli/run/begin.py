@@ -21,7 +21,7 @@ from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.host_addresses import loopback_fault
 from giraff_node.network.session import open_session
 from giraff_node.network.tokens import list_robots
-from giraff_schemas.services import RUN
+from giraff_schemas.services import LOCALIZATION, RUN
 from giraff_schemas.text import printable_lines
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.interfaces import interfaces
@@ -89,7 +89,7 @@ def _with_directory(
     say(f"in another terminal: drive it, stop it, ask why it stands, watch it{see}")
     for command in invitation.lines(camera=bool(plan.camera)):
         say(f"    {command}")
-    if plan.localize:
+    if LOCALIZATION.name in plan.services:
         say("localization is told where the robot starts; to have it look anywhere instead:")
         say(f"    {invitation.command('localize', '--global')}")
     directory = RunDirectory()

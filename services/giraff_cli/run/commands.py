@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from giraff_cli.options import require_extra, require_tree
+from giraff_cli.options import require_service, require_tree
 
 _REFUSED = 2  # exit code: nothing was started
 
@@ -54,35 +54,18 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
     """Drive the simulated robot through its services, and watch it."""
+    given = dict(locals())
     require_tree("run")
-    if web:
-        for library in ("aiohttp", "cryptography", "segno"):
-            require_extra("run --web", library, "cli,sim,web")
-    if localize:
-        require_extra("run --localize", "numpy", "cli,sim,localization")
-    if camera:
-        for library in ("numpy", "cv2"):
-            require_extra("run --camera", library, "cli,sim,camera")
+    from giraff_schemas.services import SERVICES  # noqa: PLC0415
+
+    for service in SERVICES:
+        if service.option and given[service.option]:
+            require_service(f"run --{service.option}", service, "cli,sim")
     from giraff_cli.run.begin import drive  # noqa: PLC0415
-    from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
+    from giraff_cli.run.plan import Options, PlanError, make_plan  # noqa: PLC0415
 
     try:
-        plan = make_plan(
-            file=file,
-            seconds=seconds,
-            world=world,
-            seed=seed,
-            truth=truth,
-            tilt_script=tilt_script,
-            hand=hand,
-            boards=boards,
-            summary=summary,
-            picture=picture,
-            web=web,
-            localize=localize,
-            camera=camera,
-            local=local,
-        )
+        plan = make_plan(Options(**given))
     except PlanError as error:
         typer.echo(f"giraff run: {error}", err=True)
         raise typer.Exit(_REFUSED) from None

@@ -22,7 +22,7 @@ from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.boards import BOARDS, BoardType
-from giraff_schemas.services import DEMONSTRATION
+from giraff_schemas.services import DEMONSTRATION, SERVICES, SIMULATED
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import BUILD, ROOT, Implementation, files_of
@@ -46,54 +46,50 @@ class PlanError(Exception):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Options:
+    """The options of `giraff run`, as they were typed; its help says what each means."""
+
+    file: Path | None = None
+    seconds: float | None = None
+    world: Path | None = None
+    seed: int = 1
+    truth: Level = "calibrated"
+    tilt_script: Path | None = None
+    hand: Hand = "demo"
+    boards: Boards | None = None
+    summary: Path | None = None
+    picture: Path | None = None
+    web: bool = False
+    localize: bool = False
+    camera: bool = False
+    local: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
 class Plan:
     """A run that can begin."""
 
+    options: Options
     robot: RobotConfig
     network: NetworkConfig
     """As the robot file has it; the run chooses the rendezvous."""
     environment: dict[str, str]
     """Of every process, but for what is known only at the start."""
-    seconds: float | None
     world: Path
-    driver: Hand
-    """`demo`: also a tilt script."""
     hand: str
     """The simulator's word for who holds the joystick."""
-    seed: int
-    truth: Level
-    """How far the robot differs from its file."""
     boards: Boards
     why_boards: str
     """Why not the better ones; empty when they are, or when they were asked for."""
-    summary: Path | None
-    picture: Path | None
-    web: bool
-    """A page is served beside the robot."""
-    localize: bool
-    """It is looked for on the room's floor plan."""
+    services: tuple[str, ...]
+    """Names of those that run: of every run, and then of the options that were given."""
     camera: str
     """Name of the camera that is simulated; empty: none is."""
 
 
-def make_plan(  # noqa: PLR0913  one argument an option
-    *,
-    file: Path | None,
-    seconds: float | None,
-    world: Path | None,
-    seed: int,
-    tilt_script: Path | None,
-    hand: Hand,
-    boards: Boards | None,
-    summary: Path | None,
-    picture: Path | None,
-    web: bool,
-    localize: bool,
-    camera: bool,
-    local: bool,
-    truth: Level,
-) -> Plan:
-    """The plan, or PlanError."""
+def make_plan(options: Options) -> Plan:
+    """Return the plan. Raises PlanError."""
+    seconds, tilt_script, hand = options.seconds, options.tilt_script, options.hand
     if seconds is not None and not (math.isfinite(seconds) and seconds > 0.0):
         raise PlanError(f"--for {seconds:g}: give a positive number of seconds, or leave it out to go on until Ctrl-C")
     if tilt_script is not None and hand != "demo":
@@ -104,49 +100,43 @@ def make_plan(  # noqa: PLR0913  one argument an option
             "--hand none, and `giraff drive` in another"
         )
     try:
-        given = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
-        environment = _environment(given, hand, local=local, web=web)
+        environment = _environment(options)
         robot = load("robot", RobotConfig, environment)
         drive = read_drive(environment)
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
         _require_sound_services(environment)
-        sees_by = _camera(robot, environment) if camera else ""
+        camera = _camera(robot, environment) if options.camera else ""
     except ConfigError as error:
         raise PlanError(str(error)) from error
-    world = (world or ROOT / "deploy" / "worlds" / "living_room.toml").absolute()
+    world = (options.world or ROOT / "deploy" / "worlds" / "living_room.toml").absolute()
     held_by = "still" if hand != "demo" else "demo" if tilt_script is None else str(tilt_script.absolute())
     try:
         room = read_room(world)
-        drawn = draw_truth(truth, sim.truth, seed, robot.calibration)
-        world_of(room, robot, drive, sim, make_hand(held_by, room, seed, 0.0), seed, truth=drawn)
+        drawn = draw_truth(options.truth, sim.truth, options.seed, robot.calibration)
+        world_of(room, robot, drive, sim, make_hand(held_by, room, options.seed, 0.0), options.seed, truth=drawn)
     except RoomError as error:
         raise PlanError(f"--world: {error}") from error
     except ScriptError as error:
         raise PlanError(f"--tilt-script: {error}") from error
     except ValueError as error:
         raise PlanError(str(error)) from error
-    for option, path in (("--summary", summary), ("--picture", picture)):
-        if path is not None:
-            _require_writable(option, path)
-    chosen, why = choose_boards(boards, drive.board_type, BUILD)
+    for name in ("summary", "picture"):
+        if (path := getattr(options, name)) is not None:
+            _require_writable(f"--{name}", path)
+    boards, why = choose_boards(options.boards, drive.board_type, BUILD)
+    asked = [service.name for service in SERVICES if service.option and getattr(options, service.option)]
     return Plan(
+        options=options,
         robot=robot,
         network=network,
         environment=environment,
-        seconds=seconds,
         world=world,
-        driver=hand,
         hand=held_by,
-        seed=seed,
-        truth=truth,
-        boards=chosen,
+        boards=boards,
         why_boards=why,
-        summary=summary,
-        picture=picture,
-        web=web,
-        localize=localize,
-        camera=sees_by,
+        services=(*SIMULATED, *asked),
+        camera=camera,
     )
 
 
@@ -173,8 +163,10 @@ def _needed(base: BoardType, implementation: Implementation) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for board in boards for name in files_of(board, implementation)))
 
 
-def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool) -> dict[str, str]:
-    environment = dict(given)
+def _environment(options: Options) -> dict[str, str]:
+    environment = dict(os.environ)
+    if options.file is not None:
+        environment["GIRAFF_CONFIG"] = str(options.file)
     environment.pop("WATCHDOG_USEC", None)  # nobody starts a service again that it ends
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
@@ -186,7 +178,7 @@ def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool
         require_chunk(name)
     except ValueError as error:
         raise ConfigError(f"GIRAFF_ROBOT_NAME: {error}") from error
-    if local:
+    if options.local:
         environment["GIRAFF_NETWORK_LOCAL"] = "true"
     priorities = with_demonstration(load("guard", GuardConfig, environment).priorities)
     table = tomlkit.inline_table()
@@ -196,9 +188,9 @@ def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool
     # The simulated sensor sits straight, however a real one is glued.
     environment |= dict.fromkeys((f"GIRAFF_JOYSTICK_MOUNT_{angle}" for angle in ("ROLL", "PITCH", "YAW")), "0.0")
     # A hand that only lies there does not take the robot from nobody: `c` in `giraff drive` would be refused.
-    environment["GIRAFF_JOYSTICK_ASKS_FROM_START"] = "true" if hand == "demo" else "false"
-    if web:
-        environment |= _page_settings(environment, local=local)
+    environment["GIRAFF_JOYSTICK_ASKS_FROM_START"] = "true" if options.hand == "demo" else "false"
+    if options.web:
+        environment |= _page_settings(environment, local=options.local)
     return environment
 
 

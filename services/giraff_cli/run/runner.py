@@ -30,7 +30,7 @@ from giraff_node.network.query_client import EStopClient, QueryClient, request_e
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import CAMERA, DEMONSTRATION, LOCALIZATION, SIMULATED, VISION, WEB
+from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, WEB
 from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, LOCALIZATION_SET_POSE, POSE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
@@ -122,14 +122,12 @@ class Run:
         self._hints = hints
         self._look_hint = look
         self._placing: QueryClient[LocalizationSetPose, LocalizationAnswer] | None = None
-        self._is_placed = not plan.localize
-        self._joystick = Joystick(robot, is_driven=plan.driver == "demo")
+        self._is_placed = LOCALIZATION.name not in plan.services
+        self._joystick = Joystick(robot, is_driven=plan.options.hand == "demo")
         self._announcer: Announcer | None = None
         self._driver: Driver | None = None
         self._page = robot.page
-        self._services = (*SIMULATED, *([WEB.name] if plan.web else []), *([CAMERA.name] if plan.camera else []))
-        beside = (*([LOCALIZATION.name] if plan.localize else []), *([VISION.name] if plan.camera else []))
-        self._awaited = {*self._services, *beside} - {WEB.name}
+        self._awaited = {*plan.services} - {WEB.name}
         self._screen: Screen = NullScreen()
         self._keys: Keys | None = None
         """None: nobody can type, or a hand reads the keys."""
@@ -165,7 +163,7 @@ class Run:
         self._connection.subscribe_all(topic for topic in TOPICS if topic is not TRUE_POSE)  # its own word
         self._announcer = Announcer(self._connection.session, self._plan.robot.name)
         self._await_page()
-        if self._plan.driver != "keyboard":  # whoever drives has the terminal
+        if self._plan.options.hand != "keyboard":  # whoever drives has the terminal
             self._screen = open_screen()
             if self._page is not None and isinstance(self._screen, Terminal) and sys.stdin.isatty():
                 self._keys = Keys()
@@ -173,12 +171,12 @@ class Run:
             self._await_services(telemetry)
             self._began_ns = robot_now_ns()
             telemetry.begin()
-            if self._plan.driver == "keyboard" and not (self._stopping.asked or self._failures):
+            if self._plan.options.hand == "keyboard" and not (self._stopping.asked or self._failures):
                 self._driver = self._robot.start_driver()
             self._drive(telemetry)
             self._end_driver()
-            if self._plan.picture is not None:
-                write_file_durably(self._plan.picture, as_svg(self._view(telemetry).render()).encode())
+            if self._plan.options.picture is not None:
+                write_file_durably(self._plan.options.picture, as_svg(self._view(telemetry).render()).encode())
             self._come_to_rest(telemetry)
         finally:
             self._screen.close()
@@ -221,8 +219,8 @@ class Run:
             self._is_placed, self._placing = answer.done, None  # after a refusal the robot may be elsewhere
 
     def _drive(self, telemetry: RunTelemetry) -> None:
-        until = math.inf if self._plan.seconds is None else time.monotonic() + self._plan.seconds
-        push_at = time.monotonic() + _PUSH_AFTER if self._plan.driver == "demo" else math.inf
+        until = math.inf if self._plan.options.seconds is None else time.monotonic() + self._plan.options.seconds
+        push_at = time.monotonic() + _PUSH_AFTER if self._plan.options.hand == "demo" else math.inf
         while self._update(telemetry):
             if time.monotonic() >= push_at and telemetry.balance is not None:
                 self._robot.push()
@@ -309,16 +307,14 @@ class Run:
         frame = Frame(
             robot=self._plan.robot.name,
             boards=self._plan.boards,
-            seed=self._plan.seed,
+            seed=self._plan.options.seed,
             elapsed=0.0 if self._began_ns is None else (now_ns - self._began_ns) * 1e-9,
-            seconds=self._plan.seconds,
+            seconds=self._plan.options.seconds,
             hints=hints,
             note=self._joystick.note,
             code_key=CODE_KEY if self._keys is not None and self._keys.are_heard else "",
-            services={service: self._status(service, telemetry) for service in self._services},
+            services={service: self._status(service, telemetry) for service in self._plan.services},
             look=self._look_hint,
-            vision=self._status(VISION.name, telemetry) if self._plan.camera else None,
-            localization=self._status(LOCALIZATION.name, telemetry) if self._plan.localize else None,
             ended="" if self._ended is None else self._ended.headline,
             notices=tuple(self._failures[-1:]) if self._ended is None else (self._ended.cause,),
         )
@@ -336,15 +332,15 @@ class Run:
             telemetry,
             robot=self._plan.robot.name,
             boards=self._plan.boards,
-            seed=self._plan.seed,
-            truth=self._plan.truth,
+            seed=self._plan.options.seed,
+            truth=self._plan.options.truth,
             drawn=self._robot.drawn,
             began_ns=self._began_ns or telemetry.truth.robot_ns,
             failures=self._failures,
         )
         say(to_text(summary))
-        if self._plan.summary is not None:
-            write_file_durably(self._plan.summary, to_json(summary).encode())
+        if self._plan.options.summary is not None:
+            write_file_durably(self._plan.options.summary, to_json(summary).encode())
 
 
 def _driver(telemetry: RunTelemetry) -> str:

@@ -13,6 +13,7 @@ from rich.text import Text
 
 from giraff_cli.run.telemetry import RunSnapshot
 from giraff_core.kinematics.pose import Pose
+from giraff_schemas.services import LOCALIZATION, VISION
 from giraff_schemas.text import printable
 from giraff_telemetry import panels as blocks
 from giraff_telemetry.describe import base_text, forward_text, localization_text, range_text
@@ -45,6 +46,7 @@ def line(snapshot: RunSnapshot, elapsed: float) -> str:
 
 
 _TOPIC_COLUMNS: Final = 3
+_IN_THE_LAST_ROW: Final = (LOCALIZATION.name, VISION.name)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,10 +67,6 @@ class Frame:
     code_key: str = ""
     """The key that shows the code of the page's address. Empty: none does."""
     services: dict[str, ServiceStatus]
-    localization: ServiceStatus | None
-    """Of the service that looks for it on the map; None: there is none."""
-    vision: ServiceStatus | None = None
-    """Of the service that tells motion by the camera. None: there is none."""
     look: str = ""
     """How to see by its camera; empty: it has none."""
     ended: str = ""
@@ -118,7 +116,7 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
         blocks.guard(snapshot),
         blocks.command(snapshot),
         blocks.topics(snapshot, _TOPIC_COLUMNS),
-        services(list(frame.services.items())),
+        services([row for row in frame.services.items() if row[0] not in _IN_THE_LAST_ROW]),
         *_last_row(snapshot, frame),
     )
 
@@ -127,20 +125,21 @@ def _last_row(snapshot: RunSnapshot, frame: Frame) -> list[RenderableType]:
     """What went wrong, else the place on the map, else how it balances, else how to see by it: there is one row."""
     if frame.notices:
         return [Text(printable(text), style="red", overflow="fold") for text in frame.notices]  # the terminal cuts it
-    if frame.localization is None:
+    localization = frame.services.get(LOCALIZATION.name)
+    if localization is None:
         if snapshot.attitude is not None:
             return [blocks.balance(snapshot)]
         return [_camera(snapshot, frame)] if frame.look else []
     off = snapshot.off_map
     told = "" if off is None else f"off {off.distance:.2f} m, {math.degrees(off.angle):.1f}°"
-    return [blocks.localization(snapshot, told if frame.localization == "alive" else frame.localization)]
+    return [blocks.localization(snapshot, told if localization == "alive" else localization)]
 
 
 def _camera(snapshot: RunSnapshot, frame: Frame) -> Text:
     """Whether the motion is seen, and how a person sees by it."""
     text = Text(no_wrap=True, overflow="ellipsis")
-    if frame.vision is not None:
-        told = visual_text(snapshot.seen) if frame.vision == "alive" and snapshot.seen is not None else frame.vision
+    if (vision := frame.services.get(VISION.name)) is not None:
+        told = visual_text(snapshot.seen) if vision == "alive" and snapshot.seen is not None else vision
         text.append("VISION  ", HEADING).append(f"{printable(told)}  ")
     return text.append(printable(frame.look), "green")
 

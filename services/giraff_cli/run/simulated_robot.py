@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
@@ -20,7 +21,7 @@ from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import CAMERA, DOOR, LOCALIZATION, SERVICES, SIMULATED, VISION, WEB
+from giraff_schemas.services import DOOR, SERVICES, WEB
 from giraff_schemas.text import plain
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
@@ -57,16 +58,22 @@ class SimulatedRobot:
         """`directory` takes ports, control socket, state and logs."""
         self._plan = plan
         self._rendezvous = rendezvous
-        own = {"GIRAFF_NETWORK_RENDEZVOUS": rendezvous, "STATE_DIRECTORY": str(directory / "state")}
-        self._environment = plan.environment | own
         self._directory = directory
+        self._pictures = directory / "camera.sock"
+        self._environment = plan.environment | {
+            "GIRAFF_NETWORK_RENDEZVOUS": rendezvous,
+            "GIRAFF_LOCALIZATION_MAP": str(plan.world),  # whatever map the robot file names
+            "GIRAFF_CAMERA_DEVICE": str(self._pictures),
+            "GIRAFF_VISION_CAMERA": plan.camera,
+            "GIRAFF_WEB_ROOM": str(directory / ROOM_FILE),
+        }
         self._control = directory / "control"
         self._processes = ProcessGroup(directory)
         self._client: SimulatorClient | None = None
         self.drawn: Drawn | None = None
         """How this robot differs from its file; None before it is there."""
         self.page: Page | None = None
-        if plan.web:
+        if WEB.name in plan.services:
             everywhere = not plan.environment["GIRAFF_WEB_ADDRESS"]
             self.page = Page(self._processes.log(WEB.name), everywhere=everywhere)
 
@@ -79,14 +86,13 @@ class SimulatedRobot:
             "--ports": self._directory / "ports",
             "--control": self._control,
             "--world": plan.world,
-            "--seed": plan.seed,
-            "--truth": plan.truth,
+            "--seed": plan.options.seed,
+            "--truth": plan.options.truth,
             "--boards": plan.boards,
             "--hand": plan.hand,
         }
-        flat = [str(part) for pair in arguments.items() for part in pair]
-        self._start(DOOR.name, self._environment)  # it is there when the others look for it
-        self._processes.start(SIMULATOR, "giraff_sim", flat, plan.environment)
+        self._start(DOOR.name)  # it is there when the others look for it
+        self._processes.start(SIMULATOR, "giraff_sim", _words(arguments), plan.environment)
         deadline = time.monotonic() + _READY_WITHIN
         while (ready := self._ready()) is None:
             for ended in self._processes.reap():
@@ -102,41 +108,22 @@ class SimulatedRobot:
         return True
 
     def _start_services(self, ports: dict[str, str]) -> None:
-        environment = self._environment | {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
+        self._environment |= {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
-        for service in SIMULATED:
-            if service != DOOR.name:
-                self._start(service, environment)
-        if self._plan.localize:
-            self._start(LOCALIZATION.name, environment | self._map())
-        if self._plan.camera:
-            self._start_camera(environment)
         if self.page is not None:
-            self._start_page(environment)
+            write_room(read_room(self._plan.world), self._directory / ROOM_FILE)
+        if self._plan.camera:
+            arguments = {"--control": self._control, "--at": self._pictures, "--seed": self._plan.options.seed}
+            self._processes.start(_CAMERA, "giraff_sim.camera", _words(arguments), self._environment)
+        for service in self._plan.services:
+            if service != DOOR.name:
+                self._start(service)
 
-    def _start(self, service: str, environment: dict[str, str]) -> None:
-        self._processes.start(service, "giraff_node", [service], environment)
-
-    def _map(self) -> dict[str, str]:
-        """The room itself, whatever map the robot file names."""
-        return {"GIRAFF_LOCALIZATION_MAP": str(self._plan.world)}
-
-    def _start_page(self, environment: dict[str, str]) -> None:
-        """It keeps its state where it would without a run, so that a phone that trusts it once does so at the next."""
-        room = self._directory / ROOM_FILE
-        write_room(read_room(self._plan.world), room)
-        own = {name: value for name, value in environment.items() if name != "STATE_DIRECTORY"}
-        given = {name: value for name, value in self._plan.environment.items() if name == "STATE_DIRECTORY"}
-        self._start(WEB.name, own | given | {"GIRAFF_WEB_ROOM": str(room)})
-
-    def _start_camera(self, environment: dict[str, str]) -> None:
-        """Start what takes pictures of the room, the service that reads them, and the one that sees motion in them."""
-        socket = self._directory / "camera.sock"
-        arguments = {"--control": self._control, "--at": socket, "--seed": self._plan.seed}
-        flat = [str(part) for pair in arguments.items() for part in pair]
-        self._processes.start(_CAMERA, "giraff_sim.camera", flat, environment)
-        self._start(CAMERA.name, environment | {"GIRAFF_CAMERA_DEVICE": str(socket)})
-        self._start(VISION.name, environment | {"GIRAFF_VISION_CAMERA": self._plan.camera})
+    def _start(self, service: str) -> None:
+        own = {"STATE_DIRECTORY": str(self._directory / "state")}
+        if service == WEB.name:  # a phone that trusts the page once does so in the next run, too
+            own = {}
+        self._processes.start(service, "giraff_node", [service], self._environment | own)
 
     def truth(self) -> Truth:
         """The robot as the world has it now. Raises SimulatorError."""
@@ -186,8 +173,7 @@ class SimulatedRobot:
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        services = (*SIMULATED, LOCALIZATION.name, WEB.name, VISION.name, CAMERA.name, _CAMERA)
-        troubles = self._processes.stop(services, _GRACE)
+        troubles = self._processes.stop((*self._plan.services, _CAMERA), _GRACE)
         if self._client is not None:
             self._client.close()
         return troubles + self._processes.stop([SIMULATOR], _GRACE)
@@ -205,3 +191,7 @@ class SimulatedRobot:
         if self._client is None:
             raise SimulatorError("the simulator has not been started")
         return self._client
+
+
+def _words(options: Mapping[str, object]) -> list[str]:
+    return [str(part) for pair in options.items() for part in pair]

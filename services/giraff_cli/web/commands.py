@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import Connect, Robot, require_extra
+from giraff_cli.options import Connect, Robot, require_service
 
 
 def web(
@@ -42,8 +42,9 @@ def web(
         from giraff_cli.web import devices as pages  # noqa: PLC0415
 
         raise typer.Exit(pages.list_devices(as_json=as_json) if end is None else pages.end_device(end, as_json=as_json))
-    for library in ("aiohttp", "cryptography", "segno"):
-        require_extra("web", library, "cli,web")
+    from giraff_schemas.services import WEB  # noqa: PLC0415
+
+    require_service("web", WEB, "cli")
     from giraff_cli.web.serve import serve  # noqa: PLC0415
 
     raise typer.Exit(serve(robot, connect or (), port, as_json=as_json))

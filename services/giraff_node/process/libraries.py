@@ -7,7 +7,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
-_LIBRARIES: Final = {"cv2": "opencv-python-headless", "numpy": "numpy"}
+from giraff_schemas.services import Service
+
+_DISTRIBUTIONS: Final = {"cv2": "opencv-python-headless"}
 TREE: Final = Path(__file__).resolve().parents[3]
 """The repository, where the code runs from one."""
 _TARGETS: Final = ("viewer", "camera")
@@ -28,7 +30,7 @@ def remedy(extras: str, tree: Path = TREE, prefix: Path = Path(sys.prefix)) -> s
     return f"in the clone: make {next((each for each in _TARGETS if each in extras.split(',')), 'setup')}"
 
 
-def missing_library() -> str:
-    """Say what to install before the camera or vision can be used; empty: all is there."""
-    missing = [name for module, name in _LIBRARIES.items() if find_spec(module) is None]
-    return f"the library {missing[0]} is missing; {remedy('camera')}" if missing else ""
+def missing_library(service: Service) -> str:
+    """Say what to install before the service can be used; empty: all is there."""
+    missing = next((module for module in service.libraries if find_spec(module) is None), "")
+    return f"the library {_DISTRIBUTIONS.get(missing, missing)} is missing; {remedy(service.extra)}" if missing else ""

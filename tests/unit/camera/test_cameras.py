@@ -23,6 +23,7 @@ from giraff_camera.device.opening import open_camera
 from giraff_camera.device.simulated import SimulatedCamera
 from giraff_camera.device.v4l2 import V4l2Camera
 from giraff_node.process import libraries
+from giraff_schemas.services import CAMERA, SERVICES
 from giraff_schemas.trouble import Trouble
 
 WIDTH, HEIGHT = 32, 24
@@ -265,8 +266,8 @@ def test_what_is_no_picture_ends_the_connection(data: bytes, what: str, simulato
 
 
 def test_a_library_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert libraries.missing_library() == ""
+    assert {libraries.missing_library(service) for service in SERVICES} == {""}
     monkeypatch.setattr(libraries, "find_spec", lambda name: None if name == "cv2" else object())
-    assert libraries.missing_library() == (
+    assert libraries.missing_library(CAMERA) == (
         f"the library opencv-python-headless is missing; {libraries.remedy('camera')}"
     )

@@ -14,12 +14,13 @@ import pytest
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.run.plan import Plan, PlanError, choose_boards, make_plan
+from giraff_cli.run.plan import Options, Plan, PlanError, choose_boards, make_plan
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import load
 from giraff_node.network.discovery import simulated_name
 from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD
+from giraff_schemas.services import SIMULATED
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import Wiring
@@ -45,9 +46,7 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 def plan(**options: Any) -> Plan:
-    defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
-    defaults |= dict.fromkeys(("local", "web", "localize", "camera"), False)
-    return make_plan(**defaults | {"file": None, "seed": 1, "truth": "calibrated", "hand": "demo"} | options)
+    return make_plan(Options(**options))
 
 
 def test_the_defaults_make_a_run() -> None:
@@ -56,7 +55,7 @@ def test_the_defaults_make_a_run() -> None:
     assert made.environment["GIRAFF_ROBOT_NAME"] == made.robot.name
     assert Path(made.environment["GIRAFF_CONFIG"]) == ROOT / "deploy" / "robot.toml"
     assert made.world.is_file()
-    assert (made.hand, made.seconds) == ("demo", None)
+    assert (made.hand, made.services) == ("demo", SIMULATED)
     assert (made.boards, made.why_boards) == choose_boards(None, BASE_BOARD, BUILD)
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from giraff_cli.run import runner
 from giraff_cli.run.page import Page
+from giraff_cli.run.plan import Options
 from giraff_cli.run.runner import Run
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_core.kinematics.pose import Pose
@@ -37,7 +38,8 @@ class Looks:
         robot = MagicMock(page=page, ended={})
         robot.reap.return_value = []
         robot.truth.side_effect = lambda: truth(NOW_NS, x=self.x)
-        plan = MagicMock(driver="demo", web=page is not None, camera="", localize=localize, boards="host", seconds=None)
+        services = ("web",) * (page is not None) + ("localization",) * localize
+        plan = MagicMock(options=Options(), services=services, camera="", boards="host")
         plan.robot.name = "sim-here"
         self.telemetry: RunTelemetry = ten_seconds()
         self.run = Run(plan, robot, MagicMock(), MagicMock(), hints=("drive it: giraff drive",), look="")

@@ -23,6 +23,7 @@ from giraff_sim.control.messages import Balance
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn
 from giraff_telemetry.describe import battery_text
+from giraff_telemetry.layout import ServiceStatus
 from giraff_tools.terminal.screen import as_svg
 from tests.support import balancer_file
 from tests.unit.cli.map_poses import map_pose
@@ -52,7 +53,6 @@ FRAME = Frame(
     hints=("drive it: .venv/bin/giraff drive", "stop it:  .venv/bin/giraff stop"),
     note="",
     services={"joystick": "alive", "guard": "alive", "base": "alive", "ranger": "silent", "odometry": "ended"},
-    localization=None,
     notices=(),
 )
 
@@ -120,18 +120,22 @@ def localized(telemetry: RunTelemetry, state: LocalizationState = "localized", r
     return telemetry
 
 
+def on_map(status: ServiceStatus, notices: tuple[str, ...] = ()) -> Frame:
+    return replace(FRAME, services=FRAME.services | {"localization": status}, notices=notices)
+
+
 def test_the_view_tells_the_place_on_the_map_in_a_row_that_is_there_anyway() -> None:
     snapshot = localized(ten_seconds()).snapshot(13 * SECOND)
-    shown = rendered(snapshot, replace(FRAME, localization="alive"))
+    shown = rendered(snapshot, on_map("alive"))
     assert len(shown) <= 24
     assert shown[-1].rstrip() == "MAP  off 0.03 m, 0.0°  localized x 5.50 y 2.23 m, 0.0° ± 0.05 m, 1°"
     assert not any(row.startswith("MAP") for row in rendered(snapshot))
-    failed = rendered(snapshot, replace(FRAME, localization="alive", notices=("odometry ended by itself",)))
+    failed = rendered(snapshot, on_map("alive", notices=("odometry ended by itself",)))
     assert len(failed) <= 24
     assert failed[-1].rstrip() == "odometry ended by itself"
-    ended = rendered(snapshot, replace(FRAME, localization="ended"))
+    ended = rendered(snapshot, on_map("ended"))
     assert ended[-1].startswith("MAP  ended  ")
-    starting = rendered(ten_seconds().snapshot(13 * SECOND), replace(FRAME, localization="starting"))
+    starting = rendered(ten_seconds().snapshot(13 * SECOND), on_map("starting"))
     assert starting[-1].rstrip() == "MAP  starting  -"
 
 

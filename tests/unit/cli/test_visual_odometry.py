@@ -71,10 +71,10 @@ camera measures  90.9% of 99 pictures, all but 0.10 m of the way; else
 
 
 def test_the_last_row_and_the_line_tell_whether_the_camera_sees_it_move() -> None:
-    frame = replace(FRAME, vision="alive", look="see by it: giraff camera view")
+    frame = replace(FRAME, services=FRAME.services | {"vision": "alive"}, look="see by it: giraff camera view")
     snapshot = drive_seen("dark").snapshot(END * MS)
     assert rendered(snapshot, frame)[-1].rstrip() == "VISION  dark  see by it: giraff camera view"
-    assert rendered(snapshot, replace(frame, vision="ended"))[-1].startswith("VISION  ended  see by it")
+    assert rendered(snapshot, replace(frame, services={"vision": "ended"}))[-1].startswith("VISION  ended  see by it")
     assert line(drive_seen().snapshot(END * MS), 0.0).endswith(" | camera measures")
     assert line(drive_seen().snapshot(END * MS + 4 * SECOND), 0.0).endswith(
         " | camera unknown, vision was not heard for 4 s"

@@ -7,7 +7,7 @@ from unittest.mock import MagicMock
 
 import pytest
 
-from giraff_node.process.libraries import remedy
+from giraff_node.process import libraries
 from giraff_web import main as subject
 from giraff_web.messages import Room
 
@@ -15,15 +15,11 @@ from giraff_web.messages import Room
 def test_a_library_that_is_missing_is_told_with_the_way_out(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(subject, "find_spec", lambda name: None if name == "aiohttp" else object())
+    monkeypatch.setattr(libraries, "find_spec", lambda name: None if name == "aiohttp" else object())
     with pytest.raises(SystemExit) as left:
         subject.main()
     assert left.value.code == 2
-    assert capsys.readouterr().err == f"giraff_web: the library aiohttp is missing; {remedy('web')}\n"
-
-
-def test_nothing_is_missing_here() -> None:
-    assert subject.missing_library() == ""
+    assert capsys.readouterr().err == f"giraff_web: the library aiohttp is missing; {libraries.remedy('web')}\n"
 
 
 def test_the_room_is_read(tmp_path: Path) -> None:
