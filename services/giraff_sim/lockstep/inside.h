@@ -103,11 +103,9 @@ struct board_private {
 
 static inline struct board_model *board_of(avr_t *avr) { return avr->custom.data; }
 
-/* open.c */
+/* pins.c: what the processor has, by name; and levels driven from outside, which survive a reset of the core */
 avr_io_t *io_next(avr_t *avr, const char *kind, avr_io_t *after);
 avr_timer_t *timer_named(avr_t *avr, char name);        /* NULL: the processor has none */
-
-/* pins.c: levels driven from outside survive a reset of the core */
 struct pin pin_named(avr_t *avr, const char *name);     /* "D3" */
 void pin_drive(struct board_model *b, struct pin pin, int level);
 int pin_output(avr_t *avr, struct pin pin);             /* level, or -1 while the pin is an input */

@@ -28,22 +28,6 @@ static const char *const BUMPERS_AT[BOARD_BUMPERS] = { "C0", "C1" };
 
 static const char JOYSTICK_SLAVE_RESET[] = "D7", JOYSTICK_BUTTON[] = "D4";
 
-avr_io_t *io_next(avr_t *avr, const char *kind, avr_io_t *after)
-{
-    for (avr_io_t *io = after ? after->next : avr->io_port; io; io = io->next)
-        if (!strcmp(io->kind, kind))
-            return io;
-    return NULL;
-}
-
-avr_timer_t *timer_named(avr_t *avr, char name)
-{
-    for (avr_io_t *io = io_next(avr, "timer", NULL); io; io = io_next(avr, "timer", io))
-        if (((avr_timer_t *)io)->name == name)
-            return (avr_timer_t *)io;
-    return NULL;
-}
-
 static void on_log(avr_t *avr, const int level, const char *format, va_list arguments)
 {
     struct board_model *b = avr ? board_of(avr) : NULL;

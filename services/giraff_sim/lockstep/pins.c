@@ -1,4 +1,21 @@
+#include <string.h>
 #include "inside.h"
+
+avr_io_t *io_next(avr_t *avr, const char *kind, avr_io_t *after)
+{
+    for (avr_io_t *io = after ? after->next : avr->io_port; io; io = io->next)
+        if (!strcmp(io->kind, kind))
+            return io;
+    return NULL;
+}
+
+avr_timer_t *timer_named(avr_t *avr, char name)
+{
+    for (avr_io_t *io = io_next(avr, "timer", NULL); io; io = io_next(avr, "timer", io))
+        if (((avr_timer_t *)io)->name == name)
+            return (avr_timer_t *)io;
+    return NULL;
+}
 
 struct pin pin_named(avr_t *avr, const char *name)
 {
