@@ -10,7 +10,7 @@ FROM := $(LIKE)/host/$(BOARD)
 LIBRARY := $(BUILD)/host/$(BOARD).so
 base_PARTS := shafts
 balancer_PARTS := shafts
-MACHINE := machine processor $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
+MACHINE := board_model machine processor $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
 OBJECTS := $(PROGRAM:%=$(FROM)/program/%.o) $(MACHINE:%=$(FROM)/machine/%.o) $(OUT)/program/start_values.o \
 	$(patsubst %,$(OUT)/machine/%.o,$(notdir $(HOST_EXTRA:.c=)))
 

@@ -23,7 +23,7 @@ static double now_us(void)
     return (double)machine_now_ns() / 1000;
 }
 
-void shafts_present(int k, int a, int b)
+static void present(int k, int a, int b)
 {
     encoder_pins = (uint8_t)((encoder_pins & ~(3 << 2 * k)) | (a | b << 1) << 2 * k);
     encoders_on_change(encoder_pins);
@@ -104,7 +104,7 @@ void parts_on_event(int part)
 void parts_open(void)
 {
     encoder_pins = 0;
-    shafts_open();
+    shafts_open(present);
     driver = (struct sabertooth_driver){ .board = machine_board };
 }
 

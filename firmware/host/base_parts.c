@@ -15,7 +15,7 @@ static uint8_t watched;
 static uint16_t battery_counts, limit_counts;
 
 /* Just after A's edge, A != B is forward; encoder 1 is mirrored. */
-void shafts_present(int k, int a, int b)
+static void present(int k, int a, int b)
 {
     if (HAS_TRANSITIONS && k == watched && (a != channel_a[k] || b != channel_b[k]))
         transitions_on_change(a, k == 0 ? b : !b);
@@ -73,7 +73,7 @@ void parts_open(void)
 {
     for (int k = 0; k < BOARD_MOTORS; k++)
         channel_a[k] = channel_b[k] = 0;
-    shafts_open();
+    shafts_open(present);
     outputs_open();
 }
 

@@ -10,21 +10,19 @@
 
 enum source { PART_0, PART_1, PART_2, PART_3, PART_4, WATCHDOG, CLOCK, UART_RX, UART_TX, SOURCES };
 
-enum { EEPROM_SIZE = 4096 };
-
 extern struct board_model *machine_board;       /* the only one of this library; NULL: none is open */
-extern uint8_t machine_eeprom[EEPROM_SIZE];
-extern int machine_reset_cause;                 /* of the reset before the program's start */
 
 uint64_t machine_now_ns(void);
 void machine_schedule(enum source source, uint64_t at_ns);      /* in place of what was scheduled for it */
 void machine_cancel(enum source source);
 int machine_is_scheduled(enum source source);
+void machine_start(void);                       /* at time 0, with nothing scheduled */
+enum source machine_next(uint64_t until_ns);    /* it is now the next event's instant; SOURCES: until_ns, without one */
 void machine_complain(const char *message);     /* the firmware did what hardware would suffer from */
 
 /* What the processor itself has: processor.c. */
 void processor_open(void);
-void processor_reset(void);
+void processor_reset(int cause);
 void processor_on_event(enum source source);
 
 /* What is soldered to it: base_parts.c with bridges.c or servos.c, joystick_parts.c, ranger_parts.c. */

@@ -10,7 +10,7 @@
 
 #define EXPORT __attribute__((visibility("default")))
 
-enum { MS_NS = 1000000, BITS_PER_BYTE = 10, TX_SIZE = 65536, RX_SIZE = 4096 };
+enum { MS_NS = 1000000, BITS_PER_BYTE = 10, TX_SIZE = 65536, RX_SIZE = 4096, EEPROM_SIZE = 4096 };
 
 static const uint64_t BYTE_NS = BITS_PER_BYTE * 1000000000ull / BAUD;
 
@@ -19,15 +19,19 @@ static uint8_t sending;                         /* the byte on its way out */
 static uint8_t tx[TX_SIZE];                     /* what has come out; tx_len of the model counts it */
 static uint8_t rx[RX_SIZE];
 static unsigned rx_len;
+static uint8_t eeprom[EEPROM_SIZE];
+static int reset_cause;                         /* of the reset before the program's start */
 
 void processor_open(void)
 {
+    memset(eeprom, 0xFF, sizeof eeprom);        /* as delivered: erased */
     rx_len = 0;
     machine_board->rx_free = RX_SIZE;
 }
 
-void processor_reset(void)
+void processor_reset(int cause)
 {
+    reset_cause = cause;
     for (enum source source = WATCHDOG; source < SOURCES; source++)
         machine_cancel(source);
 }
@@ -107,9 +111,21 @@ EXPORT int board_uart_write(struct board_model *b, const uint8_t *from, int n)
     return (int)taken;
 }
 
+EXPORT int board_eeprom(struct board_model *b, uint8_t *bytes, int n, int write)
+{
+    (void)b;
+    if (n < 0 || n > EEPROM_SIZE)
+        return -1;
+    if (write)
+        memcpy(eeprom, bytes, (size_t)n);
+    else
+        memcpy(bytes, eeprom, (size_t)n);
+    return 0;
+}
+
 uint8_t hal_take_reset_cause(void)
 {
-    return (uint8_t)machine_reset_cause;
+    return (uint8_t)reset_cause;
 }
 
 /* As the AVR's compiler lays it out: low byte first, and no gaps. */
@@ -117,19 +133,18 @@ _Static_assert(offsetof(struct kept, boot_count) == 0 && offsetof(struct kept, l
 
 uint32_t hal_boot_count(void)
 {
-    const uint8_t *e = machine_eeprom;
-    return e[0] | (uint32_t)e[1] << 8 | (uint32_t)e[2] << 16 | (uint32_t)e[3] << 24;
+    return eeprom[0] | (uint32_t)eeprom[1] << 8 | (uint32_t)eeprom[2] << 16 | (uint32_t)eeprom[3] << 24;
 }
 
 void hal_set_boot_count(uint32_t count)
 {
     for (int i = 0; i < 4; i++)
-        machine_eeprom[i] = (uint8_t)(count >> 8 * i);
+        eeprom[i] = (uint8_t)(count >> 8 * i);
 }
 
 uint8_t hal_kept_latch(uint8_t cell)
 {
-    return machine_eeprom[offsetof(struct kept, latch) + cell];
+    return eeprom[offsetof(struct kept, latch) + cell];
 }
 
 bool hal_eeprom_is_ready(void)
@@ -139,7 +154,7 @@ bool hal_eeprom_is_ready(void)
 
 void hal_keep_latch(uint8_t cell, uint8_t value)
 {
-    machine_eeprom[offsetof(struct kept, latch) + cell] = value;
+    eeprom[offsetof(struct kept, latch) + cell] = value;
 }
 
 void hal_start_watchdog(void)

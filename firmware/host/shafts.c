@@ -9,11 +9,12 @@ static struct encoder {
 } encoders[BOARD_MOTORS];
 
 static uint64_t slice_from_ns, slice_to_ns;
+static void (*present_to)(int k, int a, int b);
 
 static void present(int k)
 {
     int levels = encoder_levels(&machine_board->motor[k]);
-    shafts_present(k, (levels & LEVEL_A) != 0, (levels & LEVEL_B) != 0);
+    present_to(k, (levels & LEVEL_A) != 0, (levels & LEVEL_B) != 0);
 }
 
 /* The position moves evenly from `from` to `to`, and the edges are counted up to it: they cannot drift apart. */
@@ -44,8 +45,9 @@ void shafts_on_event(int k)
     schedule_edge(k);
 }
 
-void shafts_open(void)
+void shafts_open(void (*to)(int k, int a, int b))
 {
+    present_to = to;
     for (int k = 0; k < BOARD_MOTORS; k++)
         encoders[k] = (struct encoder){ 0 };
     slice_to_ns = 0;

@@ -3,10 +3,8 @@
 #define GIRAFF_SHAFTS_H
 #include <stdint.h>
 
-void shafts_open(void);
+void shafts_open(void (*to)(int k, int a, int b));      /* whom it tells the levels of encoder k */
 void shafts_begin(uint64_t until_ns);           /* of a slice */
 void shafts_on_event(int k);                    /* PART_0 and PART_1 are theirs */
-
-void shafts_present(int k, int a, int b);       /* the board's parts: encoder k has these levels now */
 
 #endif
