@@ -40,7 +40,7 @@ static void enter(struct posture *p, uint8_t posture, uint8_t cause)
     p->leans_over = false;
 }
 
-void posture_off(struct posture *p, uint8_t cause)
+static void off(struct posture *p, uint8_t cause)
 {
     if (p->posture == BALANCE_OFF)
         return;
@@ -55,7 +55,7 @@ static void sit(struct posture *p, uint8_t cause, uint8_t side)
     if (p->posture != BALANCE_STANDS)
         return;
     if (side == SIDE_NONE) {
-        posture_off(p, cause);
+        off(p, cause);
         return;
     }
     enter(p, BALANCE_SITS_DOWN, cause);
@@ -68,7 +68,7 @@ static void follow_faults(struct posture *p, const struct posture_input *in)
         if (!(in->faults & FAULT(rules[k].cause)))
             continue;
         if (rules[k].goes_off)
-            posture_off(p, rules[k].cause);
+            off(p, rules[k].cause);
         else
             sit(p, rules[k].cause, in->order->free_side);
     }
@@ -80,7 +80,7 @@ static void sit_on(struct posture *p, const struct posture_input *in)
     if (p->leans_over) {
         /* A lean that is no number has passed it, too. */
         if (!(magnitude(k->lean - in->trim) <= LET_GO_LEAN) || p->since > LEAN_OVER)
-            posture_off(p, p->cause);
+            off(p, p->cause);
         return;
     }
     if (in->order->free_side != SIDE_NONE)
@@ -104,9 +104,9 @@ bool posture_step(struct posture *p, const struct posture_input *in)
 
     bool stood = p->posture != BALANCE_OFF;
     if (in->cord_pulled)
-        posture_off(p, CAUSE_CORD);
+        off(p, CAUSE_CORD);
     if (order->off)
-        posture_off(p, order->off_cause);
+        off(p, order->off_cause);
     follow_faults(p, in);
     if (order->sits)
         sit(p, CAUSE_ASKED, order->free_side);

@@ -24,7 +24,6 @@ struct posture_input {
     float trim;                         /* rad: lean at which it stands */
 };
 
-void posture_off(struct posture *p, uint8_t cause);
 /* true if it has just stood up. */
 bool posture_step(struct posture *p, const struct posture_input *in);
 

@@ -21,7 +21,6 @@ SYS_STATUS: Final = 0x39
 SYS_ERR: Final = 0x3A
 UNIT_SEL: Final = 0x3B
 OPR_MODE: Final = 0x3D
-PWR_MODE: Final = 0x3E
 SYS_TRIGGER: Final = 0x3F
 AXIS_MAP_CONFIG: Final = 0x41
 AXIS_MAP_SIGN: Final = 0x42
