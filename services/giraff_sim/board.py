@@ -68,7 +68,7 @@ class Board:
         if image is not None and not image.is_file():
             raise BoardError(f"{image} is missing: run make -C firmware")
         for built in (library, image or library):
-            if (source := _newer_source(built)) is not None:
+            if (source := newer_source(built)) is not None:
                 raise BoardError(f"{built} was built before {source.resolve()} changed: run make setup")
         if "board_model" not in _declared_types():
             _declare()
@@ -165,7 +165,7 @@ class Board:
 
 
 @cache
-def _newer_source(built: Path) -> Path | None:
+def newer_source(built: Path) -> Path | None:
     """Return a source that has changed since `built` was, by the record that its Makefile left beside it, if any."""
     record = built.with_suffix(".sources")
     if not record.is_file():
