@@ -40,6 +40,7 @@ class BoardType(NamedTuple):
     most_counts: int = 0
     """Edges a second of each wheel that it surely counts, with a tenth left for what overshoots; 0: more than any robot
     has that is built with it."""
+    eeprom_bytes: int = 4096
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
     has_programmer: bool = False
@@ -55,9 +56,10 @@ BASE_BOARD: Final = BoardType(
     BoardKind.BASE,
     BASE_BAUD,
     frames=FRAME_CLASSES | transitions_wire.FRAME_CLASSES,
+    eeprom_bytes=2048,
     has_programmer=True,
 )
-JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
+JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD, eeprom_bytes=1024)
 RANGER_BOARD: Final = BoardType(
     "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final, get_args
 
 import msgspec
 
@@ -13,6 +13,7 @@ from giraff_core.tuning import Tuning
 
 DriveConfig = WheelsConfig | BalancerConfig
 """Of each kind of drive: a union, told apart by `type`."""
+KINDS: Final[tuple[type[DriveConfig], ...]] = get_args(DriveConfig)
 
 
 class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -51,7 +52,7 @@ class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         check_bounds(self)
         if self.battery_low and self.battery_cutoff > self.battery_low:
             raise ValueError(f"battery_cutoff is {self.battery_cutoff}: it must not be above battery_low")
-        if isinstance(self.drive, BalancerConfig) and 0.0 < self.battery_cutoff <= self.drive.battery_minimum:
+        if 0.0 < self.battery_cutoff <= self.drive.battery_minimum:
             raise ValueError(
                 f"battery_cutoff is {self.battery_cutoff:g} V: it must be above drive.battery_minimum, "
                 f"{self.drive.battery_minimum:g} V, at which the robot sits down, or it never counts"

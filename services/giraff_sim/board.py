@@ -21,7 +21,6 @@ BUILD: Final = ROOT / "build"
 _HEADER: Final = ROOT / "firmware" / "host" / "board_model.h"
 _READ_BYTES: Final = 65536
 _MESSAGE_BYTES: Final = 160
-_EEPROM_BYTES: Final = {"base": 2048, "ardros": 4096, "joystick": 1024, "ranger": 4096, "balancer": 4096}
 
 _ffi = cffi.FFI()
 
@@ -143,11 +142,8 @@ class Board:
     @property
     def eeprom(self) -> bytes:
         """What the board keeps without power; empty when it keeps nothing."""
-        size = _EEPROM_BYTES.get(self.type.name)
-        if size is None:
-            raise BoardError(f"{__file__} has no size of the EEPROM of a board of type {self.type.name}")
-        cells = _ffi.new("uint8_t[]", size)
-        missing = self._library.board_eeprom(self.model, cells, size, 0)
+        cells = _ffi.new("uint8_t[]", self.type.eeprom_bytes)
+        missing = self._library.board_eeprom(self.model, cells, len(cells), 0)
         return b"" if missing else bytes(_ffi.buffer(cells))
 
     def keep_from(self, cells: bytes) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import Path
-from typing import get_args, get_type_hints
+from typing import get_type_hints
 
 import msgspec
 import pytest
 
-from giraff_base.config import BaseConfig, DriveConfig
+from giraff_base.config import KINDS, BaseConfig
 from giraff_core.bounds import bounds_of
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning, live_fields
@@ -18,7 +18,6 @@ from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT, name, sources
 
 DRIVES = ROOT / "services" / "giraff_base" / "drives"
-KINDS: tuple[type[msgspec.Struct], ...] = get_args(DriveConfig) or (DriveConfig,)
 BODIES = ROOT / "services" / "giraff_sim" / "bodies"
 CONTRACT = ROOT / "tests" / "unit" / "base" / "drives"
 ONE_FIRMWARE = frozenset(
@@ -28,6 +27,11 @@ ONE_FIRMWARE = frozenset(
 MAY_NAME_IT = re.compile(
     r"giraff_base/drives/|giraff_sim/bodies/|giraff_sim/control/|giraff_setup/(wheels|encoder)/|/wire\.py$"
 )
+
+MAY_IMPORT = r"giraff_base/(config|policy|registry)\.py$|giraff_sim/dst/faults/robot\.py$|giraff_setup/balancer/"
+"""The union and the registries; faults of the stock robot; what finds the gains of one kind."""
+TAGS = "|".join(str(kind.__struct_config__.tag) for kind in KINDS)
+IMPORT_OF_A_KIND = re.compile(rf"(?:from|import) (giraff_(?:base\.drives|sim\.bodies)\.(?:{TAGS})[\w.]*)")
 
 
 def folders(parent: Path) -> set[str]:
@@ -67,6 +71,17 @@ def named(path: Path) -> frozenset[str]:
 def test_nobody_outside_names_the_wire_of_one_firmware() -> None:
     outside = [path for path in sources(".py", under=("schemas", "services")) if not MAY_NAME_IT.search(name(path))]
     assert {name(path): named(path) for path in outside if named(path)} == {}
+
+
+def test_nobody_else_imports_from_the_folders_of_a_kind() -> None:
+    """Everybody else asks the drive, its configuration or the body. CONTRIBUTING.md names the files of MAY_IMPORT."""
+    found = {
+        f"{name(path)} imports {module[1]}"
+        for path in sources(".py", under=("schemas", "services"))
+        if not re.search(rf"{MAY_NAME_IT.pattern}|{MAY_IMPORT}", name(path))
+        for module in IMPORT_OF_A_KIND.finditer(path.read_text(encoding="utf-8"))
+    }
+    assert found == set()
 
 
 def test_a_planted_import_shows(tmp_path: Path) -> None:

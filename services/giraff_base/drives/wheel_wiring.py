@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import ClassVar, Final
 
 import msgspec
 
@@ -16,6 +16,9 @@ CHECK_THEM: Final[tuple[str, Action, str]] = "lift the wheels", "run", "giraff c
 
 class WheelWiring(msgspec.Struct, frozen=True, kw_only=True):
     """The six bits of the wiring. None: nobody has checked, and base does not arm."""
+
+    BY_HAND: ClassVar[str] = ""
+    """Page by which a robot of this kind is wired and tuned by hand. Empty: `giraff check` and `giraff tune` do it."""
 
     swap_motors: bool | None = None
     swap_encoders: bool | None = None

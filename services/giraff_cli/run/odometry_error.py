@@ -9,7 +9,8 @@ from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.messages import Odometry
-from giraff_sim.control.messages import Balance
+from giraff_sim.bodies.registry import DrawnBody
+from giraff_sim.world.body import Balance
 
 _KEPT: Final = 200  # odometry samples: two seconds, more than lie between two looks at the truth
 
@@ -36,7 +37,9 @@ class Truth:
     contacts: int
     """How often the robot came to touch something."""
     balance: Balance | None = None
-    """Of a robot that balances. Such a one is never quite still."""
+    """Of a robot that can fall over. Such a one is never quite still."""
+    drawn: DrawnBody | None = None
+    """How its body differs from its file, where the simulator's truth does not say it."""
 
     @property
     def is_at_rest(self) -> bool:

@@ -243,7 +243,7 @@ class Run:
             )
         if self._rests(telemetry, stop) and telemetry.balance is not None and telemetry.balance.stands:
             telemetry.sit()
-            self._robot.make_sit_down()  # without power, which it loses now, it would fall
+            self._robot.drain(telemetry.balance.sits_down_at)  # without power, which it loses now, it would fall
             self._rests(telemetry, stop)
 
     def _rests(self, telemetry: RunTelemetry, stop: EStopClient | None) -> bool:

@@ -33,7 +33,6 @@ _CAMERA: Final = "simulated-camera"
 
 _BOARDS: Final = tuple(service.name for service in SERVICES if service.simulated and service.board is not None)
 _PUSH: Final = 5.0  # N s
-_LOW_BATTERY: Final = 10.3  # V: too low to stand on, and enough for the motor driver to sit down
 _READY_WITHIN: Final = 20.0  # s
 _ASK_AGAIN: Final = 0.02  # s
 _GRACE: Final = 3.0  # s; a service's own end is bounded at about one
@@ -140,15 +139,16 @@ class SimulatedRobot:
             closest=state.closest,
             contacts=state.contacts,
             balance=state.balance,
+            drawn=state.drawn,
         )
 
     def push(self) -> None:
         """Push a robot that balances, as a person does who bumps into it. Raises SimulatorError."""
         self._connected().push(_PUSH)
 
-    def make_sit_down(self) -> None:
-        """Have the battery of a robot that balances run low: it sits down then. Raises SimulatorError."""
-        self._connected().battery(_LOW_BATTERY)
+    def drain(self, volts: float) -> None:
+        """Have the battery run down to `volts`. Raises SimulatorError."""
+        self._connected().battery(volts)
 
     def hold_joystick(self, grip: JoystickHold) -> None:
         """Raises SimulatorError."""

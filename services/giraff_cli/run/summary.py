@@ -13,7 +13,7 @@ from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, CAMERA_STATE, ODOM, topic_of
-from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
+from giraff_sim.bodies.registry import DrawnBody
 from giraff_sim.truth import Level, TrueCamera
 from giraff_sim.truth import Truth as Drawn
 from giraff_telemetry.localization_summary import LocalizationSummary, localization_rows
@@ -34,7 +34,7 @@ class BalanceSummary(msgspec.Struct, frozen=True, kw_only=True):
     falls: int
     """Until it was made to sit down at the end."""
     sat_down: bool
-    drawn: BalancerDrawn
+    drawn: DrawnBody | None
     """How its body differs from its file."""
 
 
@@ -171,7 +171,7 @@ def _balance(telemetry: RunTelemetry) -> BalanceSummary | None:
         drift_m=round(telemetry.drift, 4),
         falls=balance.falls,
         sat_down=telemetry.has_sat_down,
-        drawn=balance.drawn,
+        drawn=telemetry.truth.drawn,
     )
 
 
@@ -208,12 +208,8 @@ def _claim(summary: Summary) -> str:
 def _difference(summary: Summary) -> str:
     """The drawn robot beside its file."""
     level, drawn, balance = summary.truth, summary.drawn, summary.balance
-    if balance is not None and level != "exact":
-        body = balance.drawn
-        play, zero = (math.degrees(value) for value in (max(body.play), body.accelerometer_zero))
-        return (
-            f"{level}: {body.body_mass:.1f} kg at {body.centre_height:.3f} m, gear play {play:.1f}°,\nzero {zero:+.1f}°"
-        )
+    if balance is not None and balance.drawn is not None and level != "exact":
+        return f"{level}: {balance.drawn.told}"
     if drawn is None and balance is None:
         return f"{level}, unknown"
     if level == "exact":

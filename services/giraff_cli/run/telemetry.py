@@ -15,7 +15,7 @@ from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
 from giraff_schemas.topics import ODOM, POSE, RANGE, TICK, TILT, VISUAL_ODOM, WHEELS, Topic
-from giraff_sim.control.messages import Balance
+from giraff_sim.world.body import Balance
 from giraff_telemetry.collector import Snapshot, Telemetry
 from giraff_telemetry.localization import WayByState
 from giraff_telemetry.localization_error import LocalizationError, LocalizationErrors

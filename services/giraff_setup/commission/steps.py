@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Literal, NamedTuple
 
+from giraff_base.config import KINDS
 from giraff_core.robot import WIRING
 from giraff_core.sensors import ULTRASONIC
 
@@ -53,8 +54,10 @@ def _drive(tables: Tables) -> Mapping[str, Any]:
     return drive if isinstance(drive, Mapping) else {}
 
 
-def _balances(tables: Tables) -> bool:
-    return _drive(tables).get("type") == "balancer"
+def _by_hand(tables: Tables) -> str:
+    """Return the page by which a robot of this kind is wired and tuned by hand. Empty: commands do both."""
+    named = _drive(tables).get("type")
+    return next((kind.BY_HAND for kind in KINDS if kind.__struct_config__.tag == named), "")
 
 
 def _has(fields: Mapping[str, Any], name: str, table: str) -> StepResult:
@@ -94,8 +97,8 @@ def _ports(tables: Tables) -> StepResult:
 
 
 def _wiring(tables: Tables) -> StepResult:
-    if _balances(tables):
-        return StepResult("look", "a robot that balances: its wiring is written by hand", "docs/build-a-balancer.md")
+    if page := _by_hand(tables):
+        return StepResult("look", "the wiring of such a robot is written by hand", page)
     missing = [name for name in WIRING if _drive(tables).get(name) is None]
     if missing:
         return StepResult("left", f"not known: {', '.join(missing)}; base does not arm")
@@ -103,13 +106,13 @@ def _wiring(tables: Tables) -> StepResult:
 
 
 def _encoders(tables: Tables) -> StepResult | None:
-    if _balances(tables) or _drive(tables).get("board") == "ardros":
+    if _by_hand(tables) or _drive(tables).get("board") == "ardros":
         return None
     return StepResult("look", "it draws them, and writes nothing")
 
 
 def _speed_control(tables: Tables) -> StepResult | None:
-    if _balances(tables):
+    if _by_hand(tables):
         return None
     drive = _drive(tables)
     if drive.get("wheel_control") != "speed":

@@ -13,6 +13,7 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load, path_of, read_tables
 from giraff_schemas.services import BASE
 from giraff_sim.bodies.balancer.body import BalancerBody
+from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.bodies.balancer.judge import BalancerJudge
 from giraff_sim.bodies.balancer.known import KNOWN as BALANCER_KNOWN
@@ -26,6 +27,9 @@ from giraff_sim.world.body import Body, BodyJudge
 from giraff_sim.world.hand import Hand
 from giraff_sim.world.room import Room
 from giraff_sim.world.world import STEP_US, World
+
+DrawnBody = BalancerDrawn
+"""Difference between body and file, of each kind that has a `drawn` of its own."""
 
 
 def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:

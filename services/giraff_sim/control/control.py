@@ -10,14 +10,13 @@ import msgspec
 
 from giraff_schemas.text import plain
 from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCause, WheelsFrame, Wiring
-from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
 from giraff_sim.control import messages
 from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
 from giraff_sim.simulation import Simulation
-from giraff_sim.world.body import BoardReport, Body
+from giraff_sim.world.body import BoardReport
 from giraff_sim.world.hand import Hand, ScriptError, StillHand
 from giraff_sim.world.room import Pose, RoomError
 
@@ -67,7 +66,6 @@ class Control:
             messages.Rewire: self._rewire,
             messages.Battery: self._battery,
             messages.Push: self._push,
-            messages.Raise: self._raise,
             messages.Unplug: self._unplug,
             messages.Plug: self._plug,
             messages.Reset: self._reset,
@@ -107,7 +105,8 @@ class Control:
             pings={number: sonar.pings for number, sonar in simulation.world.sonars.items()},
             boards={kind.name.lower(): self._board_state(kind) for kind in simulation.boards},
             base=_base_says(simulation.record.telemetry),
-            balance=_balance_of(simulation.world.body),
+            balance=simulation.world.body.balance,
+            drawn=simulation.world.body.drawn,
         )
         return messages.Reply(ok=True, now_us=simulation.now_us, state=state)
 
@@ -210,10 +209,7 @@ class Control:
     def _push(self, request: messages.Push) -> None:
         if not (math.isfinite(request.impulse) and 0.0 <= request.height <= _HIGHEST):
             raise ValueError(f"nobody pushes by {request.impulse} N s at {request.height} m above the axle")
-        self._balancing.push(request.impulse, request.height)
-
-    def _raise(self, _request: messages.Raise) -> None:
-        self._balancing.raises_it = True
+        self._simulation.world.body.push(request.impulse, request.height)
 
     def _unplug(self, request: messages.Unplug) -> None:
         self._port(request.board).unplug()
@@ -230,13 +226,6 @@ class Control:
         if isinstance(body, WheelsBody):
             return body
         raise ValueError("this robot has no two wheels with a motor each")
-
-    @property
-    def _balancing(self) -> BalancerBody:
-        body = self._simulation.world.body
-        if isinstance(body, BalancerBody):
-            return body
-        raise ValueError("this robot does not balance")
 
     @property
     def _wired_wheels(self) -> WheelsBody:
@@ -267,18 +256,6 @@ def _base_says(frame: BoardReport | None) -> messages.BaseSays | None:
         accepted=frame.accepted,
         refused=frame.refused,
         line_errors=frame.line_errors,
-    )
-
-
-def _balance_of(body: Body) -> messages.Balance | None:
-    if not isinstance(body, BalancerBody):
-        return None
-    return messages.Balance(
-        lean_sd=body.lean_sd,
-        falls=body.plant.falls,
-        stands=body.is_powered,
-        is_settled=body.activity == 0,
-        drawn=body.plant.drawn,
     )
 
 

@@ -8,10 +8,11 @@ import msgspec
 
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import RunState
-from giraff_sim.bodies.balancer.drawn import Drawn
+from giraff_sim.bodies.registry import DrawnBody
 from giraff_sim.record import MotorWindow
 from giraff_sim.truth import Truth
 from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.body import Balance
 from giraff_sim.world.sonar import SonarFault
 
 BoardName = Literal["base", "joystick", "ranger"]
@@ -176,10 +177,6 @@ class Push(Request, frozen=True, kw_only=True, tag="push"):
     """m above the axle."""
 
 
-class Raise(Request, frozen=True, kw_only=True, tag="raise"):
-    """Raise a robot that balances and hold it upright until it stands by itself."""
-
-
 class Unplug(Request, frozen=True, kw_only=True, tag="unplug"):
     """Pull a board's serial cable. The board keeps its power."""
 
@@ -223,7 +220,6 @@ AnyRequest = (
     | Rewire
     | Battery
     | Push
-    | Raise
     | Unplug
     | Plug
     | Reset
@@ -264,20 +260,6 @@ class BaseSays(msgspec.Struct, frozen=True, kw_only=True):
     accepted: int
     refused: int
     line_errors: int
-
-
-class Balance(msgspec.Struct, frozen=True, kw_only=True):
-    """How a robot that balances has truly stood."""
-
-    lean_sd: float
-    """rad. Standard deviation of its lean while it stood by itself."""
-    falls: int
-    stands: bool
-    """Whether its motors have power."""
-    is_settled: bool
-    """Whether for 2 s it has not gone farther than it sways, or its motors have no power."""
-    drawn: Drawn
-    """How its body differs from its file. Of `truth` only what is not its body applies."""
 
 
 class Surfaces(msgspec.Struct, frozen=True, kw_only=True):
@@ -326,7 +308,9 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     base: BaseSays | None
     """None before its first telemetry."""
     balance: Balance | None
-    """None: it stands by itself."""
+    """None: it cannot fall over."""
+    drawn: DrawnBody | None
+    """Difference between body and file. Of `truth` only what is not its body applies. None: all of it does."""
 
 
 class Reply(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 from giraff_core.encoder.pattern import Pattern
 from giraff_schemas.boards import BoardType
@@ -76,6 +76,20 @@ class BoardReport(Protocol):
     def refused(self) -> int: ...
 
 
+class Balance(NamedTuple):
+    """True stability of a body that can fall over."""
+
+    lean_sd: float
+    """rad. Standard deviation of its lean while it stood by itself."""
+    falls: int
+    stands: bool
+    """Whether its motors have power."""
+    is_settled: bool
+    """Whether for 2 s it has not gone farther than it sways, or its motors have no power."""
+    sits_down_at: float
+    """V of the battery at which its board has it sit down."""
+
+
 class Body(Protocol):
     """One kind of robot, between its base board's pins and the floor."""
 
@@ -92,8 +106,20 @@ class Body(Protocol):
     activity: int
     """0 when it was in its safe state throughout the last step; else a positive number of its own unit."""
 
+    drawn: Any
+    """Difference between body and file, where `Truth` does not say it. None: `Truth` does."""
+
     @property
     def plant(self) -> Plant: ...
+
+    @property
+    def balance(self) -> Balance | None:
+        """Return how it has stood. None: it cannot fall over."""
+        ...
+
+    def push(self, impulse: float, height: float) -> None:
+        """Push it now with so many N s, forward positive, so high above its axle. ValueError: nothing moves it."""
+        ...
 
     def step(self, board: Board | None, duration: float) -> None:
         """Move for `duration` s by what the board's pins gave since the last step, and set its sensors' pins."""

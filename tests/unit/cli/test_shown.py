@@ -19,9 +19,9 @@ from giraff_schemas import topics
 from giraff_schemas.localization import LocalizationState
 from giraff_schemas.messages import Battery
 from giraff_sim.bodies.balancer.drawn import draw
-from giraff_sim.control.messages import Balance
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn
+from giraff_sim.world.body import Balance
 from giraff_telemetry.describe import battery_text
 from giraff_telemetry.layout import ServiceStatus
 from giraff_tools.terminal.screen import as_svg
@@ -330,14 +330,14 @@ def test_the_summary_tells_how_a_robot_that_balances_stood() -> None:
     assert summary(telemetry).balance is None
     places = ((0.0, False), (1.0, True), (1.05, True), (1.4, False), (2.0, True), (1.96, True))
     for second, (x, is_settled) in enumerate(places, 11):
-        balance = Balance(lean_sd=0.01, falls=1, stands=True, is_settled=is_settled, drawn=BODY)
-        telemetry.see(replace(truth(second * SECOND, x=x), balance=balance))
+        balance = Balance(lean_sd=0.01, falls=1, stands=True, is_settled=is_settled, sits_down_at=10.3)
+        telemetry.see(replace(truth(second * SECOND, x=x), balance=balance, drawn=BODY))
     stood = BalanceSummary(lean_sd_deg=0.573, drift_m=0.05, falls=1, sat_down=False, drawn=BODY)
     assert summary(telemetry).balance == stood
     telemetry.sit()
     rests = [telemetry.is_at_rest]
-    lies = Balance(lean_sd=0.02, falls=2, stands=False, is_settled=True, drawn=BODY)
-    telemetry.see(replace(truth(17 * SECOND, x=9.0), balance=lies))
+    lies = Balance(lean_sd=0.02, falls=2, stands=False, is_settled=True, sits_down_at=10.3)
+    telemetry.see(replace(truth(17 * SECOND, x=9.0), balance=lies, drawn=BODY))
     assert [*rests, telemetry.is_at_rest] == [False, True]
     told = summary(telemetry, truth="calibrated", drawn=Drawn())
     assert told.balance == msgspec.structs.replace(stood, sat_down=True)

@@ -76,6 +76,7 @@ class BalancerConfig(
     """Gains, motors, battery and wiring of a robot that balances. Torques are those at the wheels."""
 
     LIVE: ClassVar = Tuning.READ_ONLY
+    BY_HAND: ClassVar[str] = "docs/build-a-balancer.md"
 
     k1: Annotated[float, Tuning.CHECKED, _GAIN]
     """N m/rad. Torque of both motors for each rad that it leans."""

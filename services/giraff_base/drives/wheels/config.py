@@ -96,6 +96,8 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
     """Motors, battery and wiring of a robot on two driven wheels."""
 
     LIVE: ClassVar = Tuning.READ_ONLY
+    battery_minimum: ClassVar[float] = 0.0
+    """V. The board needs none: this robot stands on a flat battery, too."""
 
     board: BoardName = "base"
     """What drives the motors and counts the edges: an ATmega644 with two H bridges, or an Arduino Mega with servo

@@ -15,7 +15,7 @@ from giraff_sim.bodies.balancer.drawn import Drawn
 from giraff_sim.bodies.balancer.people import PUSH_S, half_sine
 from giraff_sim.bodies.balancer.plant import STEP, Plant
 from giraff_sim.bodies.balancer.sensors import VOLTS_PER_COUNT, Sensors
-from giraff_sim.world.body import BoardReport
+from giraff_sim.world.body import Balance, BoardReport
 from giraff_sim.world.room import Room
 
 _FULL_DUTY: Final = 255.0
@@ -26,6 +26,7 @@ _SWAY: Final = 0.10  # m within 2 s: a robot that only stands stays within it, o
 _LET_GO_SWAY: Final = 0.30  # m, in its first seconds: it learns at which lean it stands
 _LET_GO_MS: Final = 12_000
 _SWAY_TURN: Final = 0.20  # rad within 2 s: it may dither its turn to feel its wheels
+_UNDER: Final = 0.1  # V
 _IDLE_MS: Final = 50  # a robot that stands has a command of 0 for less; for so long a person waits to let go
 
 
@@ -44,6 +45,7 @@ class BalancerBody:
     def __init__(self, robot: RobotConfig, drive: BalancerConfig, room: Room, seed: int, drawn: Drawn) -> None:
         drive.require_countable(robot)
         self.drive = drive
+        self.drawn = drawn
         self.board = drive.board_type
         self.plant = Plant(drawn, room, robot.footprint_radius)
         self.disks: tuple[Pattern, ...] = ()
@@ -114,13 +116,17 @@ class BalancerBody:
         return self.powered_ms > 0
 
     @property
-    def lean_sd(self) -> float:
-        """rad. Standard deviation of the lean while it stood by itself."""
+    def balance(self) -> Balance:
         count = max(1, self._stood)
-        return math.sqrt(max(0.0, self._lean_squares / count - (self._lean_sum / count) ** 2))
+        return Balance(
+            lean_sd=math.sqrt(max(0.0, self._lean_squares / count - (self._lean_sum / count) ** 2)),
+            falls=self.plant.falls,
+            stands=self.is_powered,
+            is_settled=self.activity == 0,
+            sits_down_at=self.drive.battery_minimum - _UNDER,
+        )
 
     def push(self, impulse: float, height: float) -> None:
-        """Push it now with so many N s, forward positive, so high above the axle."""
         self._pushes.append((impulse, self.plant.seconds))
         self.plant.loads.height = height
 

@@ -62,6 +62,12 @@ class Drawn:
     sensor_height: float
     """m above the axle."""
 
+    @property
+    def told(self) -> str:
+        """Return in words, in two lines, what a person compares with the file."""
+        play, zero = math.degrees(max(self.play)), math.degrees(self.accelerometer_zero)
+        return f"{self.body_mass:.1f} kg at {self.centre_height:.3f} m, gear play {play:.1f}°,\nzero {zero:+.1f}°"
+
 
 def draw(drive: BalancerConfig, track: float, seed: int, spread: float = 1.0, **fixed: Any) -> Drawn:
     """Draw one robot around its file. `spread`: 0 draws the nominal robot. `fixed` sets fields."""

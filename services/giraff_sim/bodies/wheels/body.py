@@ -26,6 +26,8 @@ class WheelsBody:
 
     report: type[BoardReport] = WheelsFrame
     acts: str = "power"
+    balance: None = None
+    drawn: None = None
 
     def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
         drive.require_countable(robot)
@@ -63,6 +65,9 @@ class WheelsBody:
         motors[0].drive_peak = motors[1].drive_peak = 0
         self.drives = float(motors[0].drive), float(motors[1].drive)
         self.resets = board.model.resets
+
+    def push(self, impulse: float, height: float) -> None:  # noqa: ARG002  it stands on its casters
+        raise ValueError("this robot does not balance")
 
     def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
         """Cut (or mend) the wires of a wheel's encoder: `motor_wiring.LEFT` or `RIGHT`."""
