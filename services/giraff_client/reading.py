@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 import msgspec
 
 from giraff_client.errors import BlockedError
+from giraff_core.latest import is_fresh
 from giraff_core.sensors import ULTRASONIC
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.messages import GuardState, Range, Sample
-from giraff_schemas.topics import GUARD, RANGE, Topic
+from giraff_schemas.topics import GUARD, RANGE
 from giraff_schemas.trouble import Trouble
 
-_FRESH: Final = 1.0
-"""s; what was said longer ago says nothing of now."""
-_PERIODS: Final = 3
-"""Of a topic that is said seldom: one sample that is lost makes nobody silent."""
 _PREFIX: Final = RANGE.key.removesuffix("*")
 
 Heard = Mapping[str, tuple[Sample, float]]
 """By key below the robot's name: the newest sample, and when it was heard, s of a monotonic clock."""
-
-
-def is_fresh(topic: Topic[Any], age: float) -> bool:
-    """Whether a sample of this topic that was heard `age` s ago still says something of now."""
-    return age <= max(_FRESH, _PERIODS / topic.rate_hz)
 
 
 def has_heard_each_sensor(heard: Heard) -> bool:

@@ -8,10 +8,18 @@ from typing import Any, Final, Generic
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import TOPICS, SampleT, Topic, covers
 
-FRESH: Final = 1.0  # s; twice the period of the slowest topic
+FRESH: Final = 1.0
+"""s after which a sample says nothing of now."""
+_PERIODS: Final = 3
+"""Periods of a slow topic: one sample that is lost makes nobody silent."""
 _MOST: Final = 20
 """Publishers that are remembered of one key: a service that restarts for days must not fill the memory."""
 _TOPICS: Final = {topic.schema: topic for topic in TOPICS}
+
+
+def is_fresh(topic: Topic[Any], age: float) -> bool:
+    """Return whether a sample of this topic that was heard `age` s ago still says something of now."""
+    return age <= max(FRESH, _PERIODS / topic.rate_hz)
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
+from giraff_core.latest import FRESH
 from giraff_schemas.messages import GuardState, Range
 
 ConeState = Literal["free", "near", "blocked", "doubted", "fault"]
 
 NEAR: Final = 1.0  # m; an echo from nearer is worth a look
-STALE: Final = 0.5  # s; guard no longer counts on a reading that is older than 0.4 s
 
 
 class Cone:
@@ -56,4 +56,4 @@ class Cone:
         return str(self._reading.reason) or self._distrust
 
     def _stale(self, now_ns: int) -> bool:
-        return (now_ns - self._read_ns) * 1e-9 > STALE
+        return (now_ns - self._read_ns) * 1e-9 > FRESH

@@ -7,7 +7,7 @@ from collections import deque
 from typing import Final
 
 from giraff_core.estop.request import BY_WORD
-from giraff_core.latest import LatestSamples
+from giraff_core.latest import LatestSamples, is_fresh
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
 from giraff_schemas.localization import MapPose
@@ -17,8 +17,6 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, MapView, Part, State, moment
 from giraff_web.policy import WebPolicy
 
-STALE: Final = 1.5
-"""s after which what was heard says nothing of now."""
 _POINTS: Final = 2000
 _APART: Final = 0.03  # m between two points of the path
 _NEVER_HEARD: Final = Trouble("never heard", "check that giraff_ranger runs")
@@ -62,7 +60,7 @@ class Picture:
         """Return the next state. `stop_outcome`: of a stop or a release that was asked for here."""
         self._n += 1
         base, guard, estop = self._newest(BASE, now), self._newest(GUARD, now), self._newest(ESTOP, now)
-        odom, battery = self._newest(ODOM, now), self._newest(BATTERY, now, 3.0 / BATTERY.rate_hz)
+        odom, battery = self._newest(ODOM, now), self._newest(BATTERY, now)
         attitude, place = self._newest(ATTITUDE, now), self._newest(POSE, now)
         operator, asked = policy.operator, policy.poll(now)
         age = now - operator.heard
@@ -121,16 +119,16 @@ class Picture:
         latest = self._latest.latest(RANGE.at(sensor), round(now * 1e9))
         if latest is None:
             return Echo(state="silent", range=None, reason=_NEVER_HEARD)
-        if latest.age > max(STALE, 3.0 / RANGE.rate_hz):
+        if not is_fresh(RANGE, latest.age):
             silent = Trouble(f"silent for {latest.age:.0f} s", "check giraff_ranger")
             return Echo(state="silent", range=None, reason=silent)
         reading = latest.sample
         return Echo(state=reading.state, range=reading.range, reason=reading.reason)
 
-    def _newest(self, topic: Topic[SampleT], now: float, lasts: float = STALE) -> SampleT | None:
+    def _newest(self, topic: Topic[SampleT], now: float) -> SampleT | None:
         """None: what was heard last says nothing of now."""
         latest = self._latest.latest(topic, round(now * 1e9))
-        return latest.sample if latest is not None and latest.age <= lasts else None
+        return latest.sample if latest is not None and is_fresh(topic, latest.age) else None
 
 
 def _place_covariance(of: Odometry | MapPose) -> tuple[float, float, float]:

@@ -7,7 +7,8 @@ import math
 import msgspec
 import pytest
 
-from giraff_client.reading import blockage, has_heard_each_sensor, is_fresh, ranges_of, require_finite
+from giraff_client.reading import blockage, has_heard_each_sensor, ranges_of, require_finite
+from giraff_core.latest import is_fresh
 from giraff_schemas.messages import Direction, GuardState, Sample
 from giraff_schemas.topics import BATTERY, ESTOP, GUARD, ODOM
 from tests.unit.cli import samples

@@ -10,7 +10,7 @@ from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, Robo
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.config import WebConfig
 from giraff_web.messages import State, ToPage
-from giraff_web.picture import STALE, Picture
+from giraff_web.picture import Picture
 from giraff_web.policy import WebPolicy
 from tests.support.robots import ROBOT
 from tests.unit.cli.samples import attitude, base, guard, verdict
@@ -79,7 +79,7 @@ def test_how_a_robot_balances_is_shown_with_its_wheels_and_of_no_other_robot(sho
     balance = shown.at(0.1).balance
     assert balance is not None
     assert (balance.posture, balance.lean, balance.wheels) == ("stands", 0.02618, (0.2, 0.2))
-    assert shown.at(STALE + 0.1).balance is None
+    assert shown.at(1.6).balance is None
 
 
 def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost(shown: Shown) -> None:
@@ -100,7 +100,7 @@ def test_all_that_is_heard_is_shown_as_long_as_it_is_new(shown: Shown) -> None:
     assert None not in (state.armed, state.stop, state.directions, state.pose, state.battery, state.speed, state.map)
     assert state.map is not None
     assert (state.map.covariance, state.map.yaw_sd, state.map.odom) == ((0.04, 0.01, 0.09), 0.1, (0.0, 0.0, 0.0))
-    old = shown.at(STALE + 0.5)
+    old = shown.at(2.0)
     assert (old.armed, old.stop, old.directions, old.pose, old.battery, old.map) == (None,) * 6
 
 
@@ -112,7 +112,7 @@ def test_a_sensor_that_is_silent_is_told_so(shown: Shown) -> None:
     state = shown.at(0.1)
     assert (state.ranges[name].state, state.ranges[name].range) == ("echo", 0.8)
     assert "stranger" not in state.ranges
-    assert shown.at(STALE + 0.1).ranges[name].state == "silent"
+    assert shown.at(1.6).ranges[name].state == "silent"
 
 
 def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set(shown: Shown) -> None:
