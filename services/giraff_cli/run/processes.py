@@ -8,8 +8,9 @@ import os
 import signal
 import subprocess
 import sys
+import termios
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -25,6 +26,44 @@ _BLOCK: Final = 65_536  # bytes; file systems free whole blocks
 _FREE_BLOCKS: Final = 3  # FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE
 _BY_OTHERS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 """Signals that somebody else sends: the process cannot have written why."""
+_HEARS_CTRL_C: Final = 0.5  # s; one that was typed is for this child, too
+_GRACE: Final = 3.0  # s
+_NAME: Final = "giraff drive"
+
+
+class Driver:
+    """A child that reads the terminal which both share: Ctrl-C is for both."""
+
+    def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
+        """Standard input must be a terminal."""
+        self._before = termios.tcgetattr(sys.stdin)
+        self._process = subprocess.Popen(command, env=dict(environment))
+
+    @property
+    def is_there(self) -> bool:
+        return self._process.poll() is None
+
+    def end(self) -> str:
+        """End it, and leave the terminal as it was before. Bounded. What went wrong; empty: nothing."""
+        status = self._ended(_HEARS_CTRL_C)
+        if status is None:
+            self._process.terminate()
+            status = self._ended(_GRACE)
+        if status is None:
+            self._process.kill()
+            self._process.wait()
+        with contextlib.suppress(termios.error):  # it may be gone
+            termios.tcsetattr(sys.stdin, termios.TCSANOW, self._before)
+        if status is None:
+            return f"{_NAME} did not end within {_GRACE:g} s and was killed"
+        if status in (0, -signal.SIGINT, -signal.SIGTERM):
+            return ""
+        return f"{_NAME} ended with exit code {status}; what it said is above"
+
+    def _ended(self, within: float) -> int | None:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return self._process.wait(within)
+        return None
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,9 @@ from typing import Any, Final
 
 from giraff_cli.run.announcer import Announcer
 from giraff_cli.run.demonstration import DRIVES, FLAT, Demonstration
-from giraff_cli.run.driver import Driver
 from giraff_cli.run.page import CODE_KEY
 from giraff_cli.run.plan import Plan
-from giraff_cli.run.processes import Ended
+from giraff_cli.run.processes import Driver, Ended
 from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text

@@ -12,11 +12,10 @@ from typing import Final
 import msgspec
 
 from giraff_cli.run.demonstration import JoystickHold
-from giraff_cli.run.driver import Driver
-from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.page import ROOM_FILE, Page, write_room
 from giraff_cli.run.plan import Plan
-from giraff_cli.run.processes import Ended, ProcessGroup
+from giraff_cli.run.processes import Driver, Ended, ProcessGroup
+from giraff_cli.run.telemetry import Truth
 from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns

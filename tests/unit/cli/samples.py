@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from giraff_cli.run.odometry_error import Truth
-from giraff_cli.run.telemetry import RunTelemetry
+from giraff_cli.run.telemetry import RunTelemetry, Truth
 from giraff_core.estop.latch import SEE_THAT_IT_MAY
 from giraff_core.kinematics.pose import Pose
 from giraff_core.sensors import ULTRASONIC

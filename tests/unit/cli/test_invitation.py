@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.run.invitation import Invitation, invite
+from giraff_cli.run.begin import Invitation, invite
 from giraff_core.network import NetworkConfig
 from giraff_tools.network.interfaces import Interface
 from giraff_tools.terminal.program import called_anywhere
@@ -97,7 +97,7 @@ def test_without_a_program_its_package_is_called(program: Path) -> None:
 def test_a_run_with_a_camera_tells_how_to_see_by_it_with_what_is_installed(
     library: str | None, line: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("giraff_cli.run.invitation.find_spec", lambda _: library)
+    monkeypatch.setattr("giraff_cli.run.begin.find_spec", lambda _: library)
     invitation = invited(NetworkConfig(rendezvous=AT), WIRED)
     assert invitation.lines(camera=True) == [*invitation.lines(), f"giraff {line}"]
     assert invitation.how_to_see.endswith(f"giraff {line}")

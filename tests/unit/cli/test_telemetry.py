@@ -9,8 +9,7 @@ import msgspec
 import pytest
 
 from giraff_cli.run.announcer import Announcer
-from giraff_cli.run.odometry_error import Comparison
-from giraff_cli.run.telemetry import RunTelemetry
+from giraff_cli.run.telemetry import Comparison, RunTelemetry
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
