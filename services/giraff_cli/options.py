@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -43,6 +44,14 @@ Robot = Annotated[
 Connect = Annotated[
     list[str] | None,
     typer.Option(metavar="HOST", help="Like 192.168.1.20, where multicast does not reach.", show_default=False),
+]
+WrittenFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="The robot file that is written. Else GIRAFF_CONFIG's, if it is that robot's.",
+        show_default=False,
+    ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="For programs.")]
 Ending = Annotated[

@@ -7,18 +7,9 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import AsJson, Connect, Robot, require_extra
+from giraff_cli.options import AsJson, Connect, Robot, WrittenFile, require_extra
 
 calibrate = typer.Typer(no_args_is_help=True, help="What a robot truly is, measured and written into the robot file.")
-
-File = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE",
-        help="The robot file that is written. Else GIRAFF_CONFIG's, if it is that robot's.",
-        show_default=False,
-    ),
-]
 
 _RUNS = "CSV: time s, x m, y m, heading rad (truth), right counts, left counts since the row before; no header."
 
@@ -51,7 +42,7 @@ def odometry(  # noqa: PLR0913, PLR0917  one argument an option
     force: Annotated[
         bool, typer.Option("--force", help="Take a wheel that is 5 %, a track that is 10 % other than before.")
     ] = False,
-    file: File = None,
+    file: WrittenFile = None,
     robot: Robot = None,
     connect: Connect = None,
     as_json: AsJson = False,
@@ -87,7 +78,7 @@ def camera(
             show_default=False,
         ),
     ] = None,
-    file: File = None,
+    file: WrittenFile = None,
     robot: Robot = None,
     connect: Connect = None,
     as_json: AsJson = False,
@@ -111,7 +102,7 @@ def joystick(
         str | None,
         typer.Option(metavar="PATH", help="Of the joystick board; else the robot file's.", show_default=False),
     ] = None,
-    file: File = None,
+    file: WrittenFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure how the tilt sensor sits in the joystick: laid flat, tilted forward, tilted to the left.
@@ -128,7 +119,7 @@ def joystick(
 
 
 @calibrate.command()
-def ranger(file: File = None, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
+def ranger(file: WrittenFile = None, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
     """Measure the ultrasonic sensors before a wall: place ahead, axis and scale; y and height by your ruler.
 
     The robot backs 0.8 m, turns to either side, and does the same turned round. A sensor that the wall does not tell

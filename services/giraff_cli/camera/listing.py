@@ -14,7 +14,6 @@ from giraff_tools.network.connection import RobotConnection
 from giraff_tools.terminal.page import print_json, print_table, shown
 from giraff_tools.terminal.signals import StopSignal
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 _DONE: Final = 0
 
 
@@ -55,7 +54,7 @@ def list_cameras(robot: str | None, connect: Sequence[str], seconds: float, *, a
         return _DONE
 
     with StopSignal() as stopping:
-        return run_with_robot(robot, connect, _PATIENCE, act)
+        return run_with_robot(robot, connect, act)
 
 
 def report_of(state: CameraState) -> CameraReport:

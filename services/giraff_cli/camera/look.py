@@ -19,7 +19,6 @@ from giraff_tools.network.picture_subscriber import PictureSubscriber
 from giraff_tools.terminal.page import print_json
 from giraff_tools.terminal.signals import StopSignal
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 _MEET: Final = 0.5  # s after the first camera in which all others are heard
 _TURN: Final = 0.03  # s
 _PICTURE_WITHIN: Final = 10.0  # s; a camera that wakes up takes a moment
@@ -53,7 +52,7 @@ def view_camera(
             return show(connection, pictures, camera, seconds, stopping)
 
     with StopSignal() as stopping:
-        return run_with_robot(robot, connect, _PATIENCE, act)
+        return run_with_robot(robot, connect, act)
 
 
 def choose_camera(robot: str, states: Mapping[str, CameraState], name: str | None) -> str:

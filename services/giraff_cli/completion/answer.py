@@ -74,10 +74,10 @@ def _of_robot(context: Any, wanted: Any, word: str) -> list[Candidate] | None:
     if source == "files":
         return [_SHELLS_FILES]
     source = _NARROWER.get((path[-1], source), source)
-    from giraff_cli.completion import tables  # noqa: PLC0415
+    from giraff_cli.completion import sources  # noqa: PLC0415
 
     found = _within(source, context.params, word) if source != "topics" else []
-    return [(each, "") for each in tables.by_service(source, found or tables.known(source, word), word)]
+    return [(each, "") for each in sources.by_service(source, found or sources.known(source, word), word)]
 
 
 def _within(source: str, typed: dict[str, Any], word: str) -> list[str]:
@@ -85,9 +85,9 @@ def _within(source: str, typed: dict[str, Any], word: str) -> list[str]:
     found: list[str] = []
 
     def ask() -> None:
-        with contextlib.suppress(Exception):
-            from giraff_cli.completion.network import asked  # noqa: PLC0415
+        from giraff_cli.completion.sources import asked  # noqa: PLC0415
 
+        with contextlib.suppress(Exception):
             found.extend(asked(source, typed.get("robot"), typed.get("connect") or (), word, deadline))
 
     deadline = time.monotonic() + _WITHIN

@@ -82,12 +82,9 @@ def _of_machine(machine: Machine) -> Iterator[Finding]:
             left = f"{disk.folder}: {disk.free_bytes / 1e6:.0f} MB of {disk.total_bytes / 1e6:.0f} MB are free"
             yield Finding(severity=grave, about="disk", what=left, fix="delete old recordings, or move them elsewhere")
     if machine.wiring_problem:
-        yield Finding(
-            severity="warning",
-            about="wiring",
-            what="how motors and encoders are soldered is not known, so base does not arm",
-            fix=machine.wiring_problem.to_do(ANY),
-        )
+        what = "how motors and encoders are soldered is not known, so base does not arm"
+        fix = machine.wiring_problem.to_do(ANY)
+        yield Finding(severity="warning", about="wiring", what=what, fix=fix)
     yield from (_told("warning", "operator", unranked_notice(operator)) for operator in machine.unranked_hands)
 
 
@@ -100,12 +97,9 @@ def _of_silence(look: Inspection) -> Iterator[Finding]:
         yield Finding(severity="fault", about=about, what=f"{whom}: {what}", fix=fix)
     if not found:
         what = f"{network.door} answers, but runs no service of it" if network.door else "nobody answers"
-        yield Finding(
-            severity="fault",
-            about="network",
-            what=f"{whom}: {what}{' by multicast' if network.scouted and not network.door else ''}",
-            fix="see that it is on and its services run; where the network blocks multicast, give --connect ADDRESS",
-        )
+        what = f"{whom}: {what}{' by multicast' if network.scouted and not network.door else ''}"
+        fix = "see that it is on and its services run; where the network blocks multicast, give --connect ADDRESS"
+        yield Finding(severity="fault", about="network", what=what, fix=fix)
 
 
 def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
@@ -173,35 +167,25 @@ def _trust(detail: str) -> str:
 def _of_network(look: Inspection) -> Iterator[Finding]:
     network = look.network
     if network.scouted and network.is_far and not network.is_found:
-        yield Finding(
-            severity="fault",
-            about="network",
-            what="multicast does not get through: the robot is reached by its address, and not found without it",
-            fix="keep its address in connect of [network] on each machine; or let switch and firewall pass 224.0.0.224",
-        )
+        what = "multicast does not get through: the robot is reached by its address, and not found without it"
+        fix = "keep its address in connect of [network] on each machine; or let switch and firewall pass 224.0.0.224"
+        yield Finding(severity="fault", about="network", what=what, fix=fix)
     if network.untold:
         is_run = look.robot is not None and look.robot.services.get(RUN.name)
         restart = "systemctl restart giraff@door, or docker-compose restart door"
-        yield Finding(
-            severity="fault",
-            about="door",
-            what=f"{', '.join(network.untold)} of this machine came after its door, which does not announce it",
-            fix="end giraff run, and start it again" if is_run else f"restart the door: {restart}",
-        )
+        what = f"{', '.join(network.untold)} of this machine came after its door, which does not announce it"
+        fix = "end giraff run, and start it again" if is_run else f"restart the door: {restart}"
+        yield Finding(severity="fault", about="door", what=what, fix=fix)
     if not network.has_free_port:
-        yield Finding(
-            severity="warning",
-            about="network",
-            what=f"the ports {HAND_PORTS[0]} to {HAND_PORTS[-1]} of this machine are taken: no hand can start here",
-            fix=f"end one of those who listen: ss -ltnp 'sport >= {HAND_PORTS[0]} and sport <= {HAND_PORTS[-1]}'",
-        )
+        what = f"the ports {HAND_PORTS[0]} to {HAND_PORTS[-1]} of this machine are taken: no hand can start here"
+        fix = f"end one of those who listen: ss -ltnp 'sport >= {HAND_PORTS[0]} and sport <= {HAND_PORTS[-1]}'"
+        yield Finding(severity="warning", about="network", what=what, fix=fix)
     for page in network.pages:
         if page.outcome in ("silent", "no way"):
             host, _, port = page.address.rpartition(":")
             what = f"giraff_web runs on {host}, but {page.address} does not answer: no browser reaches the page"
-            yield Finding(
-                severity="warning", about="page", what=what, fix=f"let the firewall of {host} pass {port}/tcp"
-            )
+            fix = f"let the firewall of {host} pass {port}/tcp"
+            yield Finding(severity="warning", about="page", what=what, fix=fix)
 
 
 def _of_services(robot: Robot, network: Network) -> Iterator[Finding]:
@@ -210,31 +194,22 @@ def _of_services(robot: Robot, network: Network) -> Iterator[Finding]:
     for service, (severity, so) in _MISSED.items():
         is_missed = service not in robot.unused and not (service == DOOR.name and has_door)
         if is_missed and not robot.services.get(service):
-            yield Finding(
-                severity=severity,
-                about=service,
-                what=f"giraff_{service} is not running, or hangs: {so}",
-                fix=f"start it on the robot's machine: {_START.format(service=service)}",
-            )
+            what = f"giraff_{service} is not running, or hangs: {so}"
+            fix = f"start it on the robot's machine: {_START.format(service=service)}"
+            yield Finding(severity=severity, about=service, what=what, fix=fix)
     if not any(robot.services.get(hand) for hand in (*HANDS, ROS2.name)):
         what = "nobody is there who could drive"
         yield Finding(severity="warning", about="operator", what=what, fix=START_A_HAND)
     doubled = [service for service in ROBOTS_OWN if robot.services.get(service, 0) > 1]
     if len(doubled) > 1:
-        yield Finding(
-            severity="fault",
-            about="robot",
-            what=f"two robots are called {robot.name}: several {', '.join(doubled)}{_on(robot, doubled)}",
-            fix="give one of them another name in [robot] of its robot file, and restart its services",
-        )
+        what = f"two robots are called {robot.name}: several {', '.join(doubled)}{_on(robot, doubled)}"
+        fix = "give one of them another name in [robot] of its robot file, and restart its services"
+        yield Finding(severity="fault", about="robot", what=what, fix=fix)
     elif doubled:
         (service,) = doubled
-        yield Finding(
-            severity="fault",
-            about=service,
-            what=f"{robot.services[service]} giraff_{service} run for {robot.name}{_on(robot, doubled)}",
-            fix="end all but one; the robot does not drive while two decide",
-        )
+        what = f"{robot.services[service]} giraff_{service} run for {robot.name}{_on(robot, doubled)}"
+        fix = "end all but one; the robot does not drive while two decide"
+        yield Finding(severity="fault", about=service, what=what, fix=fix)
 
 
 def _on(robot: Robot, services: list[str]) -> str:
@@ -255,13 +230,12 @@ def _of_answers(robot: Robot, machine: Machine) -> Iterator[Finding]:
             yield from (_told("warning", who, notice) for notice in answer.health.notices)
     told = {answer.health.service for answer in robot.answers}
     for service in sorted(service for service, count in robot.services.items() if count and service not in told):
-        yield Finding(
-            severity="fault",
-            about=service,
-            what=f"giraff_{service} is there, but does not answer: it hangs, is of another version, or the network "
-            "lets only one way through",
-            fix="see its log, restart it; see that no firewall drops its answers, and one version is on all hosts",
+        what = (
+            f"giraff_{service} is there, but does not answer: it hangs, is of another version, or the network "
+            "lets only one way through"
         )
+        fix = "see its log, restart it; see that no firewall drops its answers, and one version is on all hosts"
+        yield Finding(severity="fault", about=service, what=what, fix=fix)
     yield from _of_clocks(robot.answers, machine)
     yield from _of_versions(robot.answers, machine)
 
@@ -275,12 +249,9 @@ def _of_clocks(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[F
     for host, answer in worst.items():
         if abs(answer.ahead) - answer.uncertainty > CLOCKS_APART:
             side = "ahead of" if answer.ahead > 0.0 else "behind"
-            yield Finding(
-                severity="fault",
-                about="clock",
-                what=f"the clock of {host} is {abs(answer.ahead):.1f} s {side} this machine's ({machine.host})",
-                fix="let both keep time by the network: timedatectl set-ntp true",
-            )
+            what = f"the clock of {host} is {abs(answer.ahead):.1f} s {side} this machine's ({machine.host})"
+            fix = "let both keep time by the network: timedatectl set-ntp true"
+            yield Finding(severity="fault", about="clock", what=what, fix=fix)
 
 
 def _of_versions(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[Finding]:
@@ -297,12 +268,9 @@ def _of_geometries(robot: Robot, machine: Machine) -> Iterator[Finding]:
         told = "; ".join(
             f"{field} {_shown(old, field)}, now {_shown(machine.geometry, field)}" for field, old in fields.items()
         )
-        yield Finding(
-            severity="warning",
-            about="geometry",
-            what=f"{', '.join(services)} {'goes' if len(services) == 1 else 'go'} by the geometry from before: {told}",
-            fix=_restart(services, robot),
-        )
+        what = f"{', '.join(services)} {'goes' if len(services) == 1 else 'go'} by the geometry from before: {told}"
+        fix = _restart(services, robot)
+        yield Finding(severity="warning", about="geometry", what=what, fix=fix)
     others = [each for each in robot.geometries if each not in stale]
     for field in sorted({field for each in others for field in _apart(each.geometry, others[0].geometry)}):
         who: dict[str, list[str]] = {}
@@ -357,12 +325,9 @@ def _of_rate(rate: Rate) -> Iterator[Finding]:
         what = f"{rate.key} is silent, though giraff_{rate.maker} says it is well"
         yield Finding(severity="fault", about=rate.maker, what=what, fix=f"see the log of giraff_{rate.maker}")
     elif rate.heard >= _FEW and rate.hz is not None and rate.hz < _SLOW * rate.wanted_hz:
-        yield Finding(
-            severity="fault",
-            about=rate.maker,
-            what=f"{rate.key} comes at {rate.hz:.0f} Hz instead of {rate.wanted_hz:.0f}",
-            fix=f"the machine of giraff_{rate.maker} is overloaded: see what else runs there",
-        )
+        what = f"{rate.key} comes at {rate.hz:.0f} Hz instead of {rate.wanted_hz:.0f}"
+        fix = f"the machine of giraff_{rate.maker} is overloaded: see what else runs there"
+        yield Finding(severity="fault", about=rate.maker, what=what, fix=fix)
     if rate.heard >= _FEW and rate.lost > max(_FEW, _LOSSY * (rate.heard + rate.lost)):
         what = f"{rate.key}: {rate.lost} of {rate.heard + rate.lost} samples were lost on the way"
         yield Finding(severity="fault", about="network", what=what, fix="better Wi-Fi, or a cable")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Sequence
-from typing import Final
 
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.main import leave, run_keyboard, terminal_fault
@@ -18,8 +17,6 @@ from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.limits import ask_limits
 
-_PATIENCE: Final = 3.0  # s, for a robot to be found
-
 
 def drive(robot: str | None, connect: Sequence[str]) -> int:
     """Until Ctrl-C, or the terminal is gone; the exit code."""
@@ -31,7 +28,7 @@ def drive(robot: str | None, connect: Sequence[str]) -> int:
         limits = ask_limits(connection, "drive")
         return _drive(connection, Settings(KeyboardConfig(), limits, connection.network))
 
-    return run_with_robot(robot, connect, _PATIENCE, act, moves=True)
+    return run_with_robot(robot, connect, act, moves=True)
 
 
 def _drive(connection: RobotConnection, settings: Settings[KeyboardConfig]) -> int:

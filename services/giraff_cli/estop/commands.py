@@ -103,10 +103,9 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0, 
     from giraff_cli.estop import client  # noqa: PLC0415
     from giraff_tools.terminal.program import user_at_host  # noqa: PLC0415
 
-    def act(connection: RobotConnection) -> Result:
-        return client.reset(connection, user_at_host(), timeout)
-
-    _report(robot, connect, timeout, act, moves=True, as_json=as_json)
+    _report(
+        robot, connect, timeout, lambda met: client.reset(met, user_at_host(), timeout), moves=True, as_json=as_json
+    )
 
 
 @estop.command()
@@ -117,7 +116,7 @@ def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0,
     """
     from giraff_cli.estop import client  # noqa: PLC0415
 
-    _report(robot, connect, timeout, lambda connection: client.status(connection, timeout), as_json=as_json)
+    _report(robot, connect, timeout, lambda met: client.status(met, timeout), as_json=as_json)
 
 
 def _report(
@@ -135,4 +134,4 @@ def _report(
     def say(connection: RobotConnection) -> int:
         return print_result(act(connection), as_json=as_json)
 
-    raise typer.Exit(run_with_robot(robot, connect or (), timeout, say, moves=moves, stands_in=False))
+    raise typer.Exit(run_with_robot(robot, connect or (), say, patience=timeout, moves=moves, stands_in=False))

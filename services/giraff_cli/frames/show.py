@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from giraff_cli.frames.picture import draw
-from giraff_cli.frames.tree import Frames, dot, faults_of, pose_text, tree_of
+from giraff_cli.frames.tree import Frames, dot, draw, faults_of, pose_text, tree_of
 from giraff_core.kinematics.frame_errors import FrameError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
 from giraff_node.network.replies import ask_all
@@ -23,7 +22,6 @@ from giraff_tools.network.robot_graph import GraphMonitor
 from giraff_tools.terminal.page import Page, print_json
 from giraff_tools.terminal.signals import StopSignal
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 _SETTLED: Final = 0.5  # s after the first answer
 _ASK_EVERY: Final = 0.3  # s
 _WELL: Final = 0
@@ -63,7 +61,7 @@ def frames(robot: str | None, connect: Sequence[str], wanted: Wanted) -> int:
         return _ILL if found.faults else _WELL
 
     with StopSignal() as stopping:
-        return run_with_robot(robot, connect, _PATIENCE, act)
+        return run_with_robot(robot, connect, act)
 
 
 def _ask(connection: RobotConnection, stopping: StopSignal) -> list[Transform]:

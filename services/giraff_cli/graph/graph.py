@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 import msgspec
 
 from giraff_schemas.text import printable_lines
 from giraff_tools.network.command import run_with_robot
-from giraff_tools.network.header_subscriber import HeaderSubscriber
 from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_tools.terminal.page import print_json, print_table
 from giraff_tools.terminal.signals import StopSignal
 from giraff_tools.terminal.text import quoted
-
-_PATIENCE: Final = 3.0  # s, to find the only robot
 
 
 class Edge(msgspec.Struct, frozen=True, order=True):
@@ -51,16 +47,7 @@ def graph(robot: str | None, connect: Sequence[str], seconds: float, *, as_dot: 
         return 0
 
     with StopSignal() as stopping:
-        return run_with_robot(
-            robot,
-            connect,
-            _PATIENCE,
-            lambda connection: report(
-                GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)]).run(
-                    seconds, stopping
-                )
-            ),
-        )
+        return run_with_robot(robot, connect, lambda met: report(GraphMonitor.counting(met).run(seconds, stopping)))
 
 
 def graph_of(robot_graph: RobotGraph) -> Graph:

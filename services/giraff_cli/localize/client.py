@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import secrets
 import time
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
@@ -14,15 +15,19 @@ from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tokens import find_tokens, list_robots
 from giraff_schemas.localization import LocalizationAnswer, LocalizationGlobal, LocalizationSetPose
 from giraff_schemas.services import LOCALIZATION
+from giraff_schemas.text import printable
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key
 from giraff_telemetry.localization import place_text
+from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
+from giraff_tools.terminal.page import print_json
 from giraff_tools.terminal.program import user_at_host
 
 DONE: Final = 0
 REFUSED: Final = 1
 UNANSWERED: Final = 2
 
+_PATIENCE: Final = 3.0  # s, for an answer
 _REPLY_WITHIN: Final = 1.0  # s, for liveliness tokens
 _LOOKS: Final = 4  # times: a session that has just begun is not linked with every process yet
 _BETWEEN: Final = 0.25  # s
@@ -68,6 +73,22 @@ def require_none(connection: RobotConnection) -> None:
             f"localization of {connection.robot} runs on the network already; without --map this command shows and "
             "asks it; end it to start another"
         )
+
+
+def give_place(robot: str | None, connect: Sequence[str], place: Pose | None, *, as_json: bool) -> int:
+    """Tell it where the robot is; None: have it look anywhere; the exit code."""
+
+    def act(connection: RobotConnection) -> int:
+        code, text = ask(connection, place, _PATIENCE)
+        if as_json:
+            print_json({"robot": connection.robot, "done": code == DONE, "text": text})
+        elif code == DONE:
+            print(printable(text), flush=True)
+        if code != DONE:
+            print_error(text)
+        return code
+
+    return run_with_robot(robot, connect, act, moves=True)
 
 
 def ask(connection: RobotConnection, place: Pose | None, timeout: float) -> Result:

@@ -61,11 +61,13 @@ def localize(
         from giraff_cli.localize.serve import serve  # noqa: PLC0415
 
         raise typer.Exit(serve(robot, connect or (), map_file, place, seconds, as_json=as_json))
-    from giraff_cli.localize import follow  # noqa: PLC0415
-
     if at is not None or anywhere:
-        raise typer.Exit(follow.give_place(robot, connect or (), place, as_json=as_json))
-    raise typer.Exit(follow.follow(robot, connect or (), seconds, as_json=as_json))
+        from giraff_cli.localize.client import give_place  # noqa: PLC0415
+
+        raise typer.Exit(give_place(robot, connect or (), place, as_json=as_json))
+    from giraff_cli.localize.view import follow  # noqa: PLC0415
+
+    raise typer.Exit(follow(robot, connect or (), seconds, as_json=as_json))
 
 
 def _place(at: str | None) -> Pose | None:

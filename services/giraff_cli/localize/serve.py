@@ -6,12 +6,10 @@ import math
 from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import Final
 
 from giraff_cli.localize.client import DONE, REFUSED, require_none, told_pose
 from giraff_cli.localize.floor import floor_of
-from giraff_cli.localize.hearing import Hearing
-from giraff_cli.localize.lines import screen_of
+from giraff_cli.localize.view import Hearing, screen_of
 from giraff_core.io import Selectable
 from giraff_core.kinematics.pose import Pose
 from giraff_core.retry import RetriedRequest
@@ -30,8 +28,6 @@ from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.limits import ask_limits
 from giraff_tools.terminal.output import discard_stdout
-
-_PATIENCE: Final = 3.0  # s, for a robot to be found
 
 
 def serve(
@@ -67,7 +63,7 @@ def serve(
             node.run(shown)
         return DONE if not shown.refused else print_error(shown.refused) and REFUSED
 
-    return run_with_robot(robot, connect, _PATIENCE, act, moves=True)
+    return run_with_robot(robot, connect, act, moves=True)
 
 
 class ShownLocalization:

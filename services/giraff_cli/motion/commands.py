@@ -69,7 +69,7 @@ def move(
 
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
-    from giraff_cli.motion.steps import move as step  # noqa: PLC0415
+    from giraff_cli.motion.pattern import move as step  # noqa: PLC0415
     from giraff_node.motion_client import Wish  # noqa: PLC0415
 
     _perform("move", lambda: Wish((step(distance),), speed, None, time_limit), robot, connect, as_json=as_json)
@@ -87,7 +87,7 @@ def turn(
 
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
-    from giraff_cli.motion.steps import turn as step  # noqa: PLC0415
+    from giraff_cli.motion.pattern import turn as step  # noqa: PLC0415
     from giraff_node.motion_client import Wish  # noqa: PLC0415
 
     _perform("turn", lambda: Wish((step(angle),), None, speed, time_limit), robot, connect, as_json=as_json)
@@ -109,7 +109,7 @@ def arc(
 
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
-    from giraff_cli.motion.steps import arc as step  # noqa: PLC0415
+    from giraff_cli.motion.pattern import arc as step  # noqa: PLC0415
     from giraff_node.motion_client import Wish  # noqa: PLC0415
 
     _perform("arc", lambda: Wish((step(radius, angle),), speed, None, time_limit), robot, connect, as_json=as_json)

@@ -1,4 +1,4 @@
-"""A pattern of steps in a TOML file. It is read as it is written: what it does not know, it refuses."""
+"""The steps of a motion, and patterns of them in TOML files, which are read as they are written."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from typing import Any, Final, Literal
 
 import msgspec
 
-from giraff_cli.motion.steps import arc, move, turn
 from giraff_core.toml_kinds import PATTERN, wrong_kind
 from giraff_node.config.robot_file import parse_toml
 from giraff_node.motion_client import Wish
-from giraff_schemas.motion import GoTo, Step
+from giraff_schemas.motion import Arc, GoTo, Move, Step, Turn
 from giraff_schemas.text import plain
 from giraff_tools.typed import angle
 
@@ -112,3 +111,26 @@ def _step(step: _Step) -> Step:
 
 def _angle(typed: float | str) -> float:
     return angle(str(typed).removesuffix(".0"))
+
+
+def move(distance: float) -> Move:
+    """Straight on. Raises ValueError for a way of no length."""
+    if distance == 0.0:
+        raise ValueError("a move of 0 m goes nowhere: give metres, negative for backward")
+    return Move(distance=distance)
+
+
+def turn(radians: float) -> Turn:
+    """On the spot. Raises ValueError for no turn."""
+    if radians == 0.0:
+        raise ValueError("a turn of 0 turns nothing: write it like 90deg, negative for one to the right")
+    return Turn(angle=radians)
+
+
+def arc(radius: float, radians: float) -> Arc:
+    """Along a circle. Raises ValueError for one that is none."""
+    if radius <= 0.0:
+        raise ValueError(f"a radius of {radius:g} m is none: give one above 0; a negative angle goes to the right")
+    if radians == 0.0:
+        raise ValueError("an arc of 0 goes nowhere: write its angle like 90deg, negative for one to the right")
+    return Arc(radius=radius, angle=radians)

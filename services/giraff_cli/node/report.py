@@ -11,12 +11,11 @@ from giraff_schemas.health import Health
 from giraff_schemas.text import meant
 from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph
+from giraff_tools.network.robot_graph import GraphMonitor, RobotGraph, names_of
 from giraff_tools.terminal.page import print_json, print_table
 from giraff_tools.terminal.signals import StopSignal
 from giraff_tools.terminal.text import duration
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 _WELL: Final = 0
 _ILL: Final = 1
 _SILENT: Final = "does not answer: it hangs, is of another version, or its answers may not come here"
@@ -47,9 +46,7 @@ def list_nodes(robot: str | None, connect: Sequence[str], *, as_json: bool) -> i
         return _WELL if all(row.well for row in rows) else _ILL
 
     with StopSignal() as stopping:
-        return run_with_robot(
-            robot, connect, _PATIENCE, lambda connection: report(GraphMonitor(connection).collect_health(stopping))
-        )
+        return run_with_robot(robot, connect, lambda met: report(GraphMonitor(met).collect_health(stopping)))
 
 
 def info(service: str, robot: str | None, connect: Sequence[str], *, as_json: bool) -> int:
@@ -72,7 +69,7 @@ def info(service: str, robot: str | None, connect: Sequence[str], *, as_json: bo
         return _WELL if all(row.well for row in rows) else _ILL
 
     with StopSignal() as stopping:
-        return run_with_robot(robot, connect, _PATIENCE, act)
+        return run_with_robot(robot, connect, act)
 
 
 def rows_of(robot_graph: RobotGraph) -> list[NodeRow]:
@@ -119,11 +116,7 @@ def _lines(row: NodeRow, robot_graph: RobotGraph) -> Iterator[tuple[str, str]]:
     yield from (("fault", str(each)) for each in health.faults)
     yield from (("notice", str(each)) for each in health.notices)
     for key in health.publishes:
-        yield "publishes", f"{key} -> {_names(robot_graph.subscribers(key)) or 'nobody that says so'}"
+        yield "publishes", f"{key} -> {names_of(robot_graph.subscribers(key)) or 'nobody that says so'}"
     for pattern in health.subscribes:
-        yield "listens to", f"{pattern} <- {_names(robot_graph.publishers_of(pattern)) or 'nobody'}"
+        yield "listens to", f"{pattern} <- {names_of(robot_graph.publishers_of(pattern)) or 'nobody'}"
     yield from (("answers", key) for key in health.answers)
-
-
-def _names(makers: Sequence[NodeId]) -> str:
-    return ", ".join(dict.fromkeys(maker.name for maker in makers))

@@ -37,7 +37,7 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0, 
     """
     from giraff_cli.odom import client  # noqa: PLC0415
 
-    _report(robot, connect, timeout, lambda connection: client.reset(connection, timeout), as_json=as_json)
+    _report(robot, connect, timeout, lambda met: client.reset(met, timeout), as_json=as_json)
 
 
 @odom.command("set", context_settings=NEGATIVE)
@@ -68,11 +68,7 @@ def set_pose(
     except ValueError as error:
         raise typer.Exit(print_error(f"odom set: {error}")) from None
     _report(
-        robot,
-        connect,
-        timeout,
-        lambda connection: client.set_pose(connection, place, position_sd, yaw_sd, timeout),
-        as_json=as_json,
+        robot, connect, timeout, lambda met: client.set_pose(met, place, position_sd, yaw_sd, timeout), as_json=as_json
     )
 
 
@@ -109,4 +105,4 @@ def _report(
             print(printable(result.text), flush=True)
         return result.code
 
-    raise typer.Exit(run_with_robot(robot, connect or (), timeout, say, moves=True))
+    raise typer.Exit(run_with_robot(robot, connect or (), say, patience=timeout, moves=True))

@@ -69,7 +69,7 @@ def show(
             view(wanted)
         return _WRONG if differences or len(answers) < len(services) else _DONE
 
-    return run_with_robot(robot, connect, _PATIENCE, report)
+    return run_with_robot(robot, connect, report)
 
 
 def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, as_json: bool) -> int:
@@ -90,7 +90,7 @@ def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, 
             _ask(connection, PARAM_SET, dict.fromkeys(services, request), _PATIENCE), services, as_json=as_json
         )
 
-    return run_with_robot(robot, connect, _PATIENCE, report, moves=True, stands_in=False)
+    return run_with_robot(robot, connect, report, moves=True, stands_in=False)
 
 
 def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *, as_json: bool) -> int:
@@ -108,7 +108,7 @@ def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *
         requests = {service: ParamSave(names=few, by=by) for service, few in fields.items()}
         return _told(_ask(connection, PARAM_SAVE, requests, _SAVE_PATIENCE), services, as_json=as_json)
 
-    return run_with_robot(robot, connect, _PATIENCE, report, moves=True, stands_in=False)
+    return run_with_robot(robot, connect, report, moves=True, stands_in=False)
 
 
 def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:

@@ -74,12 +74,11 @@ def play(
         begin, end = recording.bounds_ns
         # Nobody knows how much the skipped gaps take.
         progress = Progress("playing", None if loop or skip_gaps else (end - begin) * 1e-9, shown=not as_json)
+        played = Played(file=str(path), robot=name)
         return run_on_network(
             name,
             connect,
-            lambda connection: _play(
-                connection, stopping, reader, Played(file=str(path), robot=name), keys, rate, progress, as_json=as_json
-            ),
+            lambda met: _play(met, stopping, reader, played, keys, rate, progress, as_json=as_json),
             role="apart",
         )
 

@@ -45,7 +45,7 @@ def record(  # noqa: PLR0913, PLR0917  one argument an option
     """
     require_extra("record", "mcap", "cli,record")
     if repair is not None:
-        from giraff_cli.record.repair import repair as mend  # noqa: PLC0415
+        from giraff_cli.record.report import repair as mend  # noqa: PLC0415
 
         raise typer.Exit(mend(repair, output, as_json=as_json))
     from giraff_cli.record.recorder import Limits  # noqa: PLC0415

@@ -5,27 +5,34 @@ from __future__ import annotations
 import gc
 import sys
 import time
+from collections import deque
 from collections.abc import Sequence
 from contextlib import closing
 from datetime import UTC, datetime
+from functools import partial
 from operator import attrgetter
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 import zenoh
 
-from giraff_cli.record.parameters import RecordedParameters
 from giraff_cli.record.pictures import NoPictures, RecordedPictures
-from giraff_cli.record.report import Report, told
+from giraff_cli.record.report import DONE, INCOMPLETE, Report, told
 from giraff_mcap.metadata import ASKED, metadata_of
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import RobotMonitor, not_found_text, select_robot
+from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tcp_options import set_tcp_options
+from giraff_node.network.tokens import Token, watch_tokens
+from giraff_schemas.codec import encode, encoding_of
+from giraff_schemas.params import ParamAnswer, ParamDescribe
+from giraff_schemas.services import ANSWERING
 from giraff_schemas.text import meant, printable
-from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, key_below
+from giraff_schemas.topics import CAMERA_PICTURES, PARAM_DESCRIBE, TOPICS, key_below, key_of
 from giraff_tools.network.command import print_error, run_on_network
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.topic_keys import UnknownKeyError, all_below_robot
@@ -35,9 +42,7 @@ _LOOK_EVERY: Final = 0.2  # s
 _SYNC_EVERY: Final = 0.4  # s; with a slow write still less than the second that a crash may cost
 _TUNE_EVERY: Final = 2.0  # s; a link of the recorder's only thread, which would otherwise be held up by its end
 _SILENT_AFTER: Final = 3.0  # s
-
-_DONE: Final = 0
-_INCOMPLETE: Final = 1
+_MOST: Final = 50  # processes that are asked at once; on an open network anybody may declare a name
 
 
 class Limits(msgspec.Struct, frozen=True):
@@ -71,7 +76,7 @@ def record(
         return run_on_network(
             robot,
             connect,
-            lambda connection: _record(connection, stopping, path, wanted, limits, camera=camera, as_json=as_json),
+            lambda met: _record(met, stopping, path, wanted, limits, camera=camera, as_json=as_json),
             records=True,
             stands_in=True,
         )
@@ -147,7 +152,7 @@ def _record(
     sys.stdout.write(told(report, as_json=as_json))
     if trouble:
         print_error(trouble)
-    return _INCOMPLETE if trouble or report.unread else _DONE
+    return INCOMPLETE if trouble or report.unread else DONE
 
 
 def print_progress(text: str) -> None:
@@ -206,3 +211,41 @@ def _follow(
         if not warned and writer.first_ns is None and now - began > _SILENT_AFTER:
             warned = True
             print_progress(f"giraff: {not_found_text(robot, monitor.names)}; waiting for it")
+
+
+class RecordedParameters:
+    """Asks each process of the robot once, as soon as it is there. What is set later each service tells by itself."""
+
+    def __init__(self, session: zenoh.Session, robot: str) -> None:
+        """`session`: of the recorder alone."""
+        self._session, self._robot = session, robot
+        self._news: deque[tuple[Token, bool]] = deque()  # of Zenoh's threads
+        self._asking: dict[Token, QueryClient[ParamDescribe, ParamAnswer]] = {}
+        self._tokens: Any = watch_tokens(session, robot, lambda *news: self._news.append(news))
+
+    def pop_all(self, now: float, at_ns: int) -> list[RawSample]:
+        """Ask further, and return the answers since the last call. `now`: s; `at_ns`: the same moment."""
+        for _ in range(len(self._news)):
+            token, present = self._news.popleft()
+            if not present:
+                self._asking.pop(token, None)
+            elif token.service in ANSWERING and len(self._asking) < _MOST:
+                self._asking[token] = QueryClient(
+                    self._session,
+                    self._robot,
+                    PARAM_DESCRIBE.at(token.service),
+                    ParamDescribe(),
+                    partial(_is_of, token.instance),
+                )
+        answers = {token: answer for token, asking in self._asking.items() if (answer := asking.poll(now)) is not None}
+        for token in answers:
+            del self._asking[token]
+        encoding = encoding_of(ParamAnswer)
+        return [
+            RawSample(at_ns, key_of(self._robot, PARAM_DESCRIBE.at(token.service)), encode(answer), encoding)
+            for token, answer in answers.items()
+        ]
+
+
+def _is_of(instance: str, answer: ParamAnswer) -> bool:
+    return answer.instance == instance

@@ -1,9 +1,11 @@
-"""What became of a recording, for people and for programs."""
+"""What became of a recording, for people and for programs; and `giraff record --repair`, which makes it whole."""
 
 from __future__ import annotations
 
+import sys
 from io import StringIO
-from typing import Self
+from pathlib import Path
+from typing import Final, Self
 
 import msgspec
 from rich.table import Table
@@ -13,7 +15,11 @@ from giraff_mcap.raw_sample import Count
 from giraff_mcap.unread import Unread
 from giraff_mcap.writing import RecordingWriter
 from giraff_telemetry.console import CleanConsole
+from giraff_tools.network.command import print_error
 from giraff_tools.terminal.text import json_page
+
+DONE: Final = 0
+INCOMPLETE: Final = 1
 
 
 class Report(msgspec.Struct, frozen=True, kw_only=True):
@@ -73,3 +79,26 @@ def told(report: Report, *, as_json: bool) -> str:
         soft_wrap=True,
     )
     return text.getvalue()
+
+
+def repair(path: Path, output: Path | None, *, as_json: bool) -> int:
+    """Make a file that any tool opens of what a crash or damage has left; the exit code, 1 where anything is missing.
+
+    The file itself is left as it is.
+    """
+    from giraff_mcap.reading import RecordingError  # noqa: PLC0415  what records needs none of these
+    from giraff_mcap.repair import repair as repair_into  # noqa: PLC0415
+    from giraff_tools.terminal.progress import Progress  # noqa: PLC0415
+
+    into = output or path.with_name(f"{path.stem}-repaired.mcap")
+    try:
+        with Progress("repairing", shown=not as_json) as progress:
+            writer = repair_into(path, into, progress.move)
+    except RecordingError as error:
+        return print_error(str(error))
+    except FileExistsError:
+        return print_error(f"{into} is there already: name another with -o; nothing is ever written over")
+    except OSError as error:
+        return print_error(f"{into}: cannot be written: {error.strerror}")
+    sys.stdout.write(told(Report.of(writer, f"the repair of {path}", 0), as_json=as_json))
+    return INCOMPLETE if writer.unread else DONE

@@ -21,7 +21,6 @@ from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.limits import ask_limits
 from giraff_tools.terminal.output import discard_stdout
 
-_PATIENCE: Final = 3.0  # s, for a robot to be found
 _DONE: Final = 0
 
 
@@ -43,7 +42,7 @@ def serve(robot: str | None, connect: Sequence[str], options: Mapping[str, Any])
         return _DONE
 
     # It stays for days, as a page. Its stop must not be the simulation's when the robot has come.
-    return run_with_robot(robot, connect, _PATIENCE, act, moves=True, stands_in=False)
+    return run_with_robot(robot, connect, act, moves=True, stands_in=False)
 
 
 def config_of(options: Mapping[str, Any]) -> Ros2Config:

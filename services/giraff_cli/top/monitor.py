@@ -11,13 +11,11 @@ from typing import Final
 from giraff_cli.top.report import Loads, TopView, report_of
 from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.network.header_subscriber import HeaderSubscriber
 from giraff_tools.network.robot_graph import GraphMonitor
 from giraff_tools.terminal.page import print_json, print_trimmed
 from giraff_tools.terminal.screen import LineScreen, Terminal, open_screen
 from giraff_tools.terminal.signals import StopSignal
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 _TURN: Final = 0.05  # s
 _SHOW_EVERY: Final = 0.5  # s
 _ONCE: Final = 2.5  # s in which every rate and every load shows
@@ -26,14 +24,8 @@ _ONCE: Final = 2.5  # s in which every rate and every load shows
 def top(robot: str | None, connect: Sequence[str], seconds: float | None, *, once: bool, as_json: bool) -> int:
     """Until Ctrl-C, for `seconds` or once; the exit code."""
     with StopSignal() as stopping:
-        return run_with_robot(
-            robot,
-            connect,
-            _PATIENCE,
-            lambda connection: Top(connection, stopping, as_json=as_json).run(
-                math.inf if seconds is None else seconds, once
-            ),
-        )
+        longest = math.inf if seconds is None else seconds
+        return run_with_robot(robot, connect, lambda met: Top(met, stopping, as_json=as_json).run(longest, once))
 
 
 class Top:
@@ -42,7 +34,7 @@ class Top:
     def __init__(self, connection: RobotConnection, stopping: StopSignal, *, as_json: bool) -> None:
         self._stopping = stopping
         self._as_json = as_json
-        self._monitor = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)])
+        self._monitor = GraphMonitor.counting(connection)
         self._loads = Loads()
         self._began = time.monotonic()
 

@@ -21,7 +21,6 @@ from giraff_tools.network.topic_keys import UnknownKeyError, below_robot, find_h
 from giraff_tools.terminal.signals import StopSignal
 from giraff_tools.terminal.text import json_line
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 _SILENT_AFTER: Final = 1.2  # s; twice the period of the slowest topic
 _LOOK_EVERY: Final = 0.02  # s
 
@@ -50,10 +49,7 @@ def echo(
         return print_error(str(error))
     with StopSignal() as stopping:
         return run_with_robot(
-            robot,
-            connect,
-            _PATIENCE,
-            lambda connection: _echo(Echo(connection, stopping, topic, fields, as_json=as_json), count, seconds),
+            robot, connect, lambda met: _echo(Echo(met, stopping, topic, fields, as_json=as_json), count, seconds)
         )
 
 

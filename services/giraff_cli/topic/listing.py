@@ -13,8 +13,7 @@ from giraff_schemas.messages import Sample
 from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, Qos, Topic, key_of, topic_of
 from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.network.header_subscriber import HeaderSubscriber
-from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph, is_listened_to
+from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph, is_listened_to, names_of
 from giraff_tools.network.topic_keys import (
     UnknownKeyError,
     below_robot,
@@ -26,7 +25,6 @@ from giraff_tools.network.topic_keys import (
 from giraff_tools.terminal.page import print_json, print_table, shown
 from giraff_tools.terminal.signals import StopSignal
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 QOS: Final[Mapping[Qos, str]] = {
     "control": "real-time priority, sent at once; dropped rather than late",
     "state": "high priority; dropped rather than late",
@@ -68,10 +66,7 @@ def list_topics(robot: str | None, connect: Sequence[str], seconds: float, *, wi
     """Print the keys of a robot, `with_absent` those of the table that nobody publishes, too; the exit code."""
     with StopSignal() as stopping:
         return run_with_robot(
-            robot,
-            connect,
-            _PATIENCE,
-            lambda connection: _list(connection, stopping, seconds, with_absent=with_absent, as_json=as_json),
+            robot, connect, lambda met: _list(met, stopping, seconds, with_absent=with_absent, as_json=as_json)
         )
 
 
@@ -83,9 +78,7 @@ def info(key: str, robot: str | None, connect: Sequence[str], seconds: float, *,
     except UnknownKeyError as error:
         return print_error(str(error))
     with StopSignal() as stopping:
-        return run_with_robot(
-            robot, connect, _PATIENCE, lambda connection: _info(connection, stopping, topic, seconds, as_json=as_json)
-        )
+        return run_with_robot(robot, connect, lambda met: _info(met, stopping, topic, seconds, as_json=as_json))
 
 
 def rows_of(robot_graph: RobotGraph, *, with_absent: bool) -> list[TopicRow]:
@@ -100,9 +93,7 @@ def rows_of(robot_graph: RobotGraph, *, with_absent: bool) -> list[TopicRow]:
 def _list(
     connection: RobotConnection, stopping: StopSignal, seconds: float, *, with_absent: bool, as_json: bool
 ) -> int:
-    robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)]).run(
-        seconds, stopping
-    )
+    robot_graph = GraphMonitor.counting(connection).run(seconds, stopping)
     rows = rows_of(robot_graph, with_absent=with_absent)
     if as_json:
         print_json(rows)
@@ -115,8 +106,8 @@ def _list(
                 row.type or "a maker's",
                 _nominal(row),
                 shown(row.hz) if row.hz is not None else "heard" if row.heard else _unheard(row),
-                _names(row.publishers) or ("?" if row.heard else "nobody"),
-                _names(row.subscribers),
+                names_of(row.publishers) or ("?" if row.heard else "nobody"),
+                names_of(row.subscribers),
             )
             for row in rows
         ),
@@ -131,9 +122,7 @@ def _info(
     speaker = connection.session.declare_publisher(
         key, allowed_destination=zenoh.Locality.REMOTE
     )  # this one is no news
-    robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot, topic)]).run(
-        seconds, stopping
-    )
+    robot_graph = GraphMonitor.counting(connection, topic).run(seconds, stopping)
     if missing := robot_graph.instead(topic):
         return print_error(missing)
     found = TopicInfo(
@@ -156,7 +145,7 @@ def _show(found: TopicInfo) -> None:
     row = found.row
     nominal = f"{_nominal(row)}{' Hz' if row.nominal_hz else ''} by the table; " if row.type else ""
     silent = "none by which to tell the rate" if row.heard else _unheard(row)
-    listeners = _names(row.subscribers)
+    listeners = names_of(row.subscribers)
     if not listeners:
         listeners = "somebody whose health does not tell" if found.matching else "nobody"
     lines = (
@@ -164,7 +153,7 @@ def _show(found: TopicInfo) -> None:
         ("type", row.type or "a maker's: giraff topic echo shows what it carries"),
         ("rate", f"{nominal}now {f'{shown(row.hz)} Hz' if row.hz is not None else silent}"),
         ("quality", found.qos),
-        ("published by", _names(row.publishers, instances=True) or ("?" if row.heard else "nobody now")),
+        ("published by", names_of(row.publishers, instances=True) or ("?" if row.heard else "nobody now")),
         ("listened to by", listeners),
     )
     print_table(("", ""), lines)
@@ -203,10 +192,6 @@ def _row(robot_graph: RobotGraph, key: str) -> TopicRow:
 def _unheard(row: TopicRow) -> str:
     """Why it has no rate: pictures are sent to those alone who have asked for them."""
     return "unasked" if topic_of(row.key) in CAMERA_PICTURES else "silent"
-
-
-def _names(makers: Sequence[NodeId], *, instances: bool = False) -> str:
-    return ", ".join(dict.fromkeys(f"{maker.name} {maker.instance}" if instances else maker.name for maker in makers))
 
 
 def _parts(schema: type[msgspec.Struct]) -> dict[str, tuple[Field, ...]]:

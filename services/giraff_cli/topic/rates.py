@@ -11,14 +11,12 @@ from giraff_schemas.text import printable
 from giraff_schemas.topics import Topic, topic_of
 from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.network.header_subscriber import HeaderSubscriber
 from giraff_tools.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_tools.network.statistics import PublisherStatistics, TopicStatistics
 from giraff_tools.network.topic_keys import UnknownKeyError, below_robot, find_heard_topic
 from giraff_tools.terminal.page import print_json, print_table, shown
 from giraff_tools.terminal.signals import StopSignal
 
-_PATIENCE: Final = 3.0  # s, to find the only robot
 _WELL: Final = 0
 _ILL: Final = 1
 
@@ -36,15 +34,15 @@ class Rate(msgspec.Struct, frozen=True, kw_only=True):
     """0: on change only."""
     sent: int
     heard: int
-    lost: int
-    reordered: int
+    lost: int = 0
+    reordered: int = 0
     """Of those heard: after a later one."""
-    duplicated: int
+    duplicated: int = 0
     """Heard once more."""
-    age_median: float | None
+    age_median: float | None = None
     """s from the maker's stamp to here, by the wall clocks of both hosts, which may disagree."""
-    age_p99: float | None
-    age_largest: float | None
+    age_p99: float | None = None
+    age_largest: float | None = None
     clock_leap: float = 0.0
     """s. How far the maker's wall clock leapt meanwhile; 0: it did not. After a leap `hz` goes by arrivals."""
 
@@ -146,15 +144,13 @@ def _measure(key: str | None, robot: str | None, connect: Sequence[str], seconds
         return print_error(str(error))
 
     def act(connection: RobotConnection) -> int:
-        robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot, topic)]).run(
-            seconds, stopping
-        )
+        robot_graph = GraphMonitor.counting(connection, topic).run(seconds, stopping)
         if robot_graph.topics:
             return int(tell(robot_graph))
         return print_error(_silence(robot_graph, topic, seconds))
 
     with StopSignal() as stopping:
-        return run_with_robot(robot, connect, _PATIENCE, act)
+        return run_with_robot(robot, connect, act)
 
 
 def _silence(robot_graph: RobotGraph, topic: Topic[Any] | None, seconds: float) -> str:
@@ -174,12 +170,6 @@ def _rates(robot_graph: RobotGraph, key: str, statistics: TopicStatistics) -> It
             nominal_hz=0.0,
             sent=statistics.samples,
             heard=statistics.samples,
-            lost=0,
-            reordered=0,
-            duplicated=0,
-            age_median=None,
-            age_p99=None,
-            age_largest=None,
         )
 
 

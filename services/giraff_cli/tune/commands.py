@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import AsJson, Connect, Robot, require_extra
+from giraff_cli.options import AsJson, Connect, Robot, WrittenFile, require_extra
 
 tune = typer.Typer(no_args_is_help=True, help="Find gains of a robot: see docs/commissioning.md, and docs/balancer.md.")
 
@@ -37,14 +37,7 @@ def balance(
 
 @tune.command()
 def speed(
-    file: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="The robot file that is written. Else GIRAFF_CONFIG's, if it is that robot's.",
-            show_default=False,
-        ),
-    ] = None,
+    file: WrittenFile = None,
     robot: Robot = None,
     connect: Connect = None,
     as_json: AsJson = False,

@@ -32,7 +32,6 @@ from giraff_viewer.memory import require_memory
 from giraff_viewer.window import ViewerError
 
 _TURN: Final = 0.03  # s between two looks at what was heard
-_FIND_WITHIN: Final = 3.0  # s
 _ASK_FOR: Final = 3.0  # s, what was heard before: a robot that comes later begins then
 _SHAPE_WITHIN: Final = 1.0
 """s that nothing is drawn before the robot has told its shape. It is asked for longer, and then drawn anew."""
@@ -50,9 +49,7 @@ def show(recording: Path | None, robot: str | None, connect: Sequence[str], opti
             from giraff_cli.view.recording import RecordingViewer  # noqa: PLC0415  needs the extra `record`
 
             return RecordingViewer(recording, options, stopping).run()
-        return run_with_robot(
-            robot, connect, _FIND_WITHIN, lambda connection: LiveViewer(connection, options, stopping).run()
-        )
+        return run_with_robot(robot, connect, lambda met: LiveViewer(met, options, stopping).run())
 
 
 class LiveViewer:

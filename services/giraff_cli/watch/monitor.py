@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Final
 
-from giraff_cli.watch.report import ReportView
-from giraff_cli.watch.screen import WatchView
+from giraff_cli.watch.screen import ReportView, WatchView
 from giraff_node import robot_now_ns
 from giraff_node.network.discovery import RobotMonitor, not_found_text, select_robot
 from giraff_node.network.host_addresses import AddressWatch, host_addresses

@@ -17,8 +17,6 @@ from giraff_tools.terminal import addresses
 from giraff_web.config import WebConfig
 from giraff_web.main import run_web
 
-_PATIENCE: Final = 3.0  # s, for a robot to be found
-
 _DONE: Final = 0
 
 
@@ -35,7 +33,7 @@ def serve(robot: str | None, connect: Sequence[str], port: int | None, *, as_jso
         return _serve(connection, Settings(config, limits, connection.network), as_json=as_json)
 
     # A page stays for days. Its stop must not be the simulation's when the robot has come.
-    return run_with_robot(robot, connect, _PATIENCE, act, moves=True, stands_in=False)
+    return run_with_robot(robot, connect, act, moves=True, stands_in=False)
 
 
 def _serve(connection: RobotConnection, settings: Settings[WebConfig], *, as_json: bool) -> int:

@@ -24,6 +24,4 @@ def why(
     from giraff_cli.why.explain import explain  # noqa: PLC0415
     from giraff_tools.network.command import run_with_robot  # noqa: PLC0415
 
-    raise typer.Exit(
-        run_with_robot(robot, connect or (), 3.0, lambda connection: explain(connection, seconds, as_json=as_json))
-    )
+    raise typer.Exit(run_with_robot(robot, connect or (), lambda met: explain(met, seconds, as_json=as_json)))

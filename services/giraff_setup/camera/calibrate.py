@@ -28,7 +28,6 @@ _DONE: Final = 0
 _REFUSED: Final = 1
 _UNUSABLE: Final = 2
 _INTERRUPTED: Final = 130
-_PATIENCE: Final = 3.0  # s
 _THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
 
 Measure = Callable[[Human, Lens], tuple[LensFit, list[FloorPose]]]
@@ -94,7 +93,7 @@ def _calibrate(
     with signals_interrupt():
         try:
             if folder is None:
-                return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
+                return run_with_robot(robot, connect, act, stands_in=False)  # it writes into the file
             path, filed = own_robot_file("", file)
             which, camera = choose(filed, name)
             return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_folder(folder), report)

@@ -32,7 +32,6 @@ _DONE: Final = 0
 _REFUSED: Final = 1
 _UNUSABLE: Final = 2
 _INTERRUPTED: Final = 130
-_PATIENCE: Final = 3.0  # s
 _FIELDS: Final = ("x", "y", "z", "yaw", "scale")
 _THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
 
@@ -71,9 +70,7 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
 
     with signals_interrupt():
         try:
-            return run_with_robot(
-                robot, connect, _PATIENCE, act, moves=True, stands_in=False
-            )  # it writes into the file
+            return run_with_robot(robot, connect, act, moves=True, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
             return _interrupted()
 

@@ -36,9 +36,9 @@ class UnopenedError(Exception):
 def run_with_robot(
     robot: str | None,
     connect: Sequence[str],
-    patience: float,
     act: Callable[[RobotConnection], int],
     *,
+    patience: float = 3.0,
     moves: bool = False,
     stands_in: bool = True,
 ) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import msgspec
 
@@ -42,6 +42,11 @@ class NodeId(msgspec.Struct, frozen=True, order=True):
     @property
     def name(self) -> str:
         return self.service or (f"instance {self.instance}" if self.instance else "?")
+
+
+def names_of(makers: Iterable[NodeId], *, instances: bool = False) -> str:
+    """Name each of them once, with its instance where that is wanted."""
+    return ", ".join(dict.fromkeys(f"{maker.name} {maker.instance}" if instances else maker.name for maker in makers))
 
 
 class RobotGraph:
@@ -154,6 +159,11 @@ class GraphMonitor:
         self._answers: deque[Health] = deque()
         self._next_question = 0.0
         connection.subscribe_all(())
+
+    @classmethod
+    def counting(cls, connection: RobotConnection, topic: Topic[Any] | None = None) -> Self:
+        """Return one that counts what is said, too. `topic`: the only one that counts; None: all."""
+        return cls(connection, [HeaderSubscriber(connection.session, connection.robot, topic)])
 
     def update(self, now: float, *, again: bool = False) -> None:
         """Take in what has come; ask those who have not told of their health, or with `again` everybody."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.why.diagnosis import Diagnosis, diagnose
-from giraff_cli.why.observation import Observation
+from giraff_cli.why.chain import Observation
+from giraff_cli.why.explain import Diagnosis, diagnose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.health import Health

@@ -8,8 +8,8 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.why.diagnosis import LINKS, diagnose
-from giraff_cli.why.observation import Observation
+from giraff_cli.why.chain import Observation
+from giraff_cli.why.explain import LINKS, diagnose
 from giraff_core.lease import IDLE
 from giraff_schemas import topics
 from giraff_schemas.actions import ANY, TILT

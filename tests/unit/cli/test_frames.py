@@ -12,8 +12,7 @@ import msgspec
 import pytest
 
 import giraff_cli.frames.show
-from giraff_cli.frames.picture import draw
-from giraff_cli.frames.tree import Frames, dot, faults_of, place, pose_text, tree_of
+from giraff_cli.frames.tree import Frames, dot, draw, faults_of, place, pose_text, tree_of
 from giraff_core.kinematics.frames import FrameTree
 from giraff_schemas.frames import Transform
 from giraff_schemas.topics import alive_key

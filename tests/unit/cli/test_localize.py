@@ -19,8 +19,7 @@ from rich.console import Console
 import giraff_cli.localize.serve
 from giraff_cli.localize import client
 from giraff_cli.localize.client import ask, require_none
-from giraff_cli.localize.lines import ChangedLines, JsonLines
-from giraff_cli.localize.view import PoseView
+from giraff_cli.localize.view import ChangedLines, JsonLines, PoseView
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import Latest
 from giraff_maps.floor_plan import FloorPlan, MapError

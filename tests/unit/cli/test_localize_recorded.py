@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from giraff_cli.localize import offline
-from giraff_cli.localize.recorded import RecordedDrive, TrueWay
-from giraff_cli.localize.summary import summarize, to_text
+from giraff_cli.localize.offline import RecordedDrive, TrueWay, summarize, to_text
 from giraff_core.kinematics.pose import Pose
 from giraff_maps.floor_plan import FloorPlan
 from giraff_mcap.raw_sample import RawSample

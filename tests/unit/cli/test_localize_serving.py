@@ -6,12 +6,10 @@ from typing import Any, cast
 
 import pytest
 
-import giraff_cli.localize.follow as following
 import giraff_cli.localize.serve as serving
-from giraff_cli.localize import hearing
-from giraff_cli.localize.hearing import Hearing
+from giraff_cli.localize import view
 from giraff_cli.localize.serve import ShownLocalization
-from giraff_cli.localize.view import PoseView
+from giraff_cli.localize.view import Hearing, PoseView
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.floor import Floor
@@ -113,8 +111,8 @@ class Here(AskedRobot):
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch) -> Here:
     made = Here()
-    made.rule(monkeypatch, hearing)
-    monkeypatch.setattr(hearing, "robot_now_ns", made.clock.monotonic_ns)
+    made.rule(monkeypatch, view)
+    monkeypatch.setattr(view, "robot_now_ns", made.clock.monotonic_ns)
     monkeypatch.setattr("giraff_tools.network.connection.robot_now_ns", made.clock.monotonic_ns)
     monkeypatch.setattr(serving, "Localization", Idle)
     monkeypatch.setattr(serving, "discard_stdout", lambda: None)
@@ -188,11 +186,10 @@ def test_one_that_runs_is_followed_for_as_long_as_is_asked(
         here.clock.sleep(seconds)
         return False
 
-    monkeypatch.setattr(following, "time", here.clock)
     monkeypatch.setattr(StopSignal, "wait", wait)
-    monkeypatch.setattr(following, "run_with_robot", lambda *words: words[3](here.connection))
+    monkeypatch.setattr(view, "run_with_robot", lambda *words: words[2](here.connection))
     end = here.clock.every(0.1, lambda: here.say(map_pose(1)))
     with here.session.declare_token(alive_key(NAME, "localization", "1")):
-        assert following.follow(None, (), 2.0, as_json=True) == 0
+        assert view.follow(None, (), 2.0, as_json=True) == 0
     end()
     assert 15 < len(capsys.readouterr().out.splitlines()) <= 21

@@ -18,7 +18,7 @@ import giraff_node.motion_client
 import giraff_node.network.query_client
 import giraff_tools.terminal.screen
 from giraff_cli.motion import perform
-from giraff_cli.motion.view import MotionView, describe
+from giraff_cli.motion.perform import MotionView, describe
 from giraff_core.motion.result import MotionResult
 from giraff_core.network import NetworkConfig
 from giraff_node.network.consent import NoRobotError
@@ -66,10 +66,8 @@ class Desk:
 
         patch.setattr(StopSignal, "wait", wait)
 
-    def _visit(
-        self, robot: str | None, connect: object, patience: float, act: Callable[[RobotConnection], int], *, moves: bool
-    ) -> int:
-        del connect, patience
+    def _visit(self, robot: str | None, connect: object, act: Callable[[RobotConnection], int], *, moves: bool) -> int:
+        del connect
         self.robots.append((robot, moves))
         try:
             return guard_stdout(lambda: act(self._connection))

@@ -106,10 +106,8 @@ class Desk:
     def type(self) -> tuple[int, str, str]:
         return typed(self._patch, self._capsys, "tune", "speed", "--file", str(self.path))
 
-    def _visit(
-        self, robot: object, connect: object, patience: float, act: Callable[[RobotConnection], int], **how: bool
-    ) -> int:
-        del robot, connect, patience
+    def _visit(self, robot: object, connect: object, act: Callable[[RobotConnection], int], **how: bool) -> int:
+        del robot, connect
         assert how == {"moves": True, "stands_in": False}
         return act(RobotConnection(NAME, cast(Any, self.session), network=NetworkConfig()))
 

@@ -10,8 +10,7 @@ from typing import Any
 import msgspec
 from rich.console import Console
 
-from giraff_cli.watch.report import ReportView
-from giraff_cli.watch.screen import WatchView, missing
+from giraff_cli.watch.screen import ReportView, WatchView, missing
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels

@@ -11,7 +11,7 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_cli.record.parameters import RecordedParameters
+from giraff_cli.record.recorder import RecordedParameters
 from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.runner import agreements, replay
 from giraff_core.parameters.table import Parameters

@@ -60,7 +60,7 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
 
     with signals_interrupt():
         try:
-            return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
+            return run_with_robot(robot, connect, act, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
             return _interrupted()
 

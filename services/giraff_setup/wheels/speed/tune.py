@@ -14,7 +14,7 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.messages import Wheels
 from giraff_schemas.text import printable
-from giraff_setup.wheels.speed.drive import PATIENCE, SpeedDrive, UnfitDriveError
+from giraff_setup.wheels.speed.drive import SpeedDrive, UnfitDriveError
 from giraff_setup.wheels.speed.fit import (
     DISTANCE,
     RULE,
@@ -88,7 +88,7 @@ def _tune(robot: str | None, connect: Sequence[str], file: Path | None, report: 
 
     with signals_interrupt():
         try:
-            return run_with_robot(robot, connect, PATIENCE, act, moves=True, stands_in=False)  # it writes into the file
+            return run_with_robot(robot, connect, act, moves=True, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
             return complain(f"interrupted. {_NOT_KEPT}", _INTERRUPTED)
 
