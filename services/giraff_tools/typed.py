@@ -1,4 +1,4 @@
-"""Read lengths, angles, points and poses as they are typed.
+"""Read numbers, lengths, angles, points and poses as they are typed.
 
 Each function raises ValueError for the rest, with what to type instead.
 """
@@ -9,7 +9,7 @@ import math
 import re
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose
@@ -21,6 +21,9 @@ _ANGLE: Final = re.compile(
     rf"(?:\s*/\s*(?P<by>{_NUMBER}))?\s*(?P<unit>deg|°|rad)?"
 )
 _LIKE: Final = "write it like 90deg, 1.57rad, pi/2 or -3pi"
+_METRES: Final[Mapping[str, float]] = {"": 1.0, "mm": 0.001, "cm": 0.01, "m": 1.0}
+_DECIMAL: Final = re.compile(r"([+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)) *([a-z]*)")
+"""What a person writes: float() would also take 3_1, 1e3 and the digits of other scripts."""
 
 
 def length(text: str) -> float:
@@ -115,3 +118,17 @@ def _angle(text: str) -> tuple[float, bool]:
         raise ValueError(f"{text!r} is no finite angle: {_LIKE}")
     in_degrees = match["unit"] in ("deg", "°")
     return math.radians(value) if in_degrees else value, bool(match["unit"] or match["pi"])
+
+
+def number(text: str) -> float:
+    """Return m, of what a person has measured: with a decimal point or a comma, and with mm, cm, m or nothing."""
+    typed = _DECIMAL.fullmatch(text.replace("\N{MINUS SIGN}", "-"))
+    value = float(typed[1].replace(",", ".")) if typed and typed[2] in _METRES else math.inf
+    if typed is None or math.isinf(value):
+        raise ValueError(f"{text or 'nothing'}: no number; type one like 5.012 or -0.03")
+    return value * _METRES[typed[2]]
+
+
+def heading(text: str) -> float:
+    """Return rad, of what a person has measured: with a decimal point or a comma, and a unit."""
+    return angle_with_unit(text.replace("\N{MINUS SIGN}", "-").replace(",", "."))

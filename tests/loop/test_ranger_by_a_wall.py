@@ -17,8 +17,8 @@ from giraff_core.motion.result import MotionResult, result_of
 from giraff_schemas.motion import MotionGo, Step
 from giraff_schemas.topics import LEASE, ODOM, RANGE
 from giraff_setup.ultrasonic.fit import Echo
-from giraff_setup.ultrasonic.heard import Hearing
 from giraff_setup.ultrasonic.procedure import SPEED, TURN_SPEED, measure
+from giraff_setup.ultrasonic.stand import Hearing
 from giraff_sim.hosts.process import Process
 from giraff_sim.truth import draw_truth
 from giraff_sim.world.room import Pose as TruePose

@@ -23,6 +23,6 @@ def commission(
 
     Exit code: 0 nothing is left; 1 something is; 2 there is no robot file that can be read.
     """
-    from giraff_setup.commission.show import show  # noqa: PLC0415
+    from giraff_setup.commission.steps import show  # noqa: PLC0415
 
     raise typer.Exit(show(file, as_json=as_json))

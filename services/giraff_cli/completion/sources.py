@@ -8,8 +8,6 @@ from importlib import import_module
 from typing import Any
 
 from giraff_core.tuning import Tuning, live_fields
-from giraff_schemas.codec import encode, encoding_of
-from giraff_schemas.health import Health
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import ANSWERING, SERVICES
 from giraff_schemas.topics import CAMERA_PICTURES, PARAM_DESCRIBE, ROOT, TOPICS, alive_key, health_key
@@ -61,6 +59,8 @@ def asked(source: str, robot: str | None, connect: Sequence[str], word: str, dea
     from giraff_node.network.replies import gather_answers  # noqa: PLC0415
     from giraff_node.network.session import open_session  # noqa: PLC0415
     from giraff_node.network.tokens import find_tokens, list_robots  # noqa: PLC0415
+    from giraff_schemas.codec import encode, encoding_of  # noqa: PLC0415
+    from giraff_schemas.health import Health  # noqa: PLC0415
 
     way = resolve_target(robot, connect)
     session = open_session(way.network, way.robot or "*", "client")

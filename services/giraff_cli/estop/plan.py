@@ -17,13 +17,7 @@ import msgspec
 
 from giraff_cli.estop.salvage import Readable, has_bundle, read_what_is_left
 from giraff_core.network import NetworkConfig
-from giraff_node.config.robot_file import (
-    DEFAULT_FILE,
-    NO_FILE,
-    ConfigError,
-    RawSettings,
-    expects_robot_file,
-)
+from giraff_node.config.robot_file import DEFAULT_FILE, NO_FILE, ConfigError, RawSettings, expects_robot_file
 from giraff_node.network.discovery import Target, name_of, named, resolve_target, target_of
 from giraff_tools.network.command import not_all_counts
 from giraff_tools.network.pages import kept_pages

@@ -28,12 +28,7 @@ from giraff_schemas.topics import ODOM, POSE, RANGE, TRUE_POSE
 from giraff_sim.world.room import Room, RoomError, read_room
 from giraff_telemetry.localization import WayByState
 from giraff_telemetry.localization_error import LocalizationErrors
-from giraff_telemetry.localization_summary import (
-    WIDTH,
-    LocalizationSummary,
-    localization_rows,
-    summarize_localization,
-)
+from giraff_telemetry.localization_summary import WIDTH, LocalizationSummary, localization_rows, summarize_localization
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.progress import Progress
 from giraff_tools.terminal.screen import say

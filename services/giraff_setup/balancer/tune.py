@@ -1,4 +1,4 @@
-"""`giraff tune balance`: gains from the physics of a robot file, beside those that the file has."""
+"""`giraff tune balance`: gains from masses, inertias and lengths of a robot file, beside those that the file has."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from giraff_base.drives.balancer.config import BalancingBody
 from giraff_base.drives.balancer.setup import DELAYS, LEASH, MARGIN, PERIOD, Gains, Loop, respond
 from giraff_core.bounds import check_bounds
 from giraff_node.config.robot_file import ConfigError, read
 from giraff_schemas.checks import converted
-from giraff_setup.balancer.gains import gains_of
-from giraff_setup.curve import draw_curves
 from giraff_tools.network.command import print_error
-from giraff_tools.terminal.dots import takes_dots
+from giraff_tools.terminal.dots import draw_curves, takes_dots
 from giraff_tools.terminal.output import guard_stdout
 from giraff_tools.terminal.page import print_json
 
@@ -24,6 +25,12 @@ STEP: Final = LEASH
 """m. The board lets the held place be no farther away."""
 SECONDS: Final = 8.0
 _ARRIVED: Final = 0.1  # of the step: it stays within
+Matrix = NDArray[np.float64]
+
+_COSTS_ONE: Final = (0.03, 0.35, 0.10, 0.30)
+"""rad, rad/s, m, m/s that cost one unit."""
+_TORQUE_COSTS_ONE: Final = 14.0  # N m
+_DOUBLINGS: Final = 16  # 2^16 periods, 5 minutes: the gains do not change any more
 
 
 class Response(NamedTuple):
@@ -195,3 +202,29 @@ def _step(response: Response) -> str:
 def _drawn(response: Response, *, dots: bool) -> Iterator[str]:
     way = [each * 100.0 for each in response.way]  # cm
     return draw_curves([way], min(*way, 0.0), max(*way, STEP * 100.0), SECONDS, dots=dots)
+
+
+def gains_of(body: BalancingBody, period: float = PERIOD) -> Gains:
+    """Return the gains of the linear-quadratic regulator, sampled each `period` s."""
+    a, b = sampled(body, period)
+    cost = np.diag(1.0 / np.square(_COSTS_ONE))
+    effort = np.array([[1.0 / _TORQUE_COSTS_ONE**2]])
+    price = _riccati(a, b, cost, effort)
+    gains = -np.linalg.solve(effort + b.T @ price @ b, b.T @ price @ a)
+    return Gains(*map(float, gains.ravel()))
+
+
+def sampled(body: BalancingBody, period: float = PERIOD) -> tuple[Matrix, Matrix]:
+    """Return what a state and a torque become in one period, of a body near upright."""
+    a, b = body.mechanics.sampled(period)
+    return np.array(a), np.array(b)[:, np.newaxis]
+
+
+def _riccati(a: Matrix, b: Matrix, cost: Matrix, effort: Matrix) -> Matrix:
+    """Solve the discrete Riccati equation by doubling the horizon (Chu and others, Int J Control 77, 2004)."""
+    reach = b @ np.linalg.solve(effort, b.T)
+    price = cost
+    for _ in range(_DOUBLINGS):
+        middle = np.linalg.inv(np.eye(len(a)) + reach @ price)
+        a, reach, price = a @ middle @ a, reach + a @ middle @ reach @ a.T, price + a.T @ price @ middle @ a
+    return price

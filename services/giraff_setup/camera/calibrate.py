@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -11,27 +12,27 @@ from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.picture_client import PictureClient
+from giraff_setup.camera.board import View, find_board, is_new, missing
 from giraff_setup.camera.conclusion import calibrated, changed, in_words
-from giraff_setup.camera.folder import lens_from, poses_from
-from giraff_setup.camera.guide import Pictures, take_sheets, take_views
-from giraff_setup.camera.lens import Lens, LensFit, lens_of
-from giraff_setup.camera.picture import UnusableError
-from giraff_setup.camera.sheet import FloorPose, middle_of
+from giraff_setup.camera.guide import Pictures, read, take_sheets, take_views
+from giraff_setup.camera.lens import FEWEST, Lens, LensFit, fit_lens, lens_of
+from giraff_setup.camera.picture import Grey, UnusableError
+from giraff_setup.camera.sheet import FloorPose, find_sheet, middle_of
 from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import RobotFileError, before_today, document, own_robot_file, record
-from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.document import INTERRUPTED, REFUSED, UNUSABLE, Report, complain, no_report, print_report
 from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, introduce, signals_interrupt
+from giraff_tools.terminal.output import DONE
 from giraff_tools.terminal.program import user_at_host
 
-_DONE: Final = 0
-_REFUSED: Final = 1
-_UNUSABLE: Final = 2
-_INTERRUPTED: Final = 130
+_complain: Final = partial(complain, "calibrate camera")
 _THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
 
 Measure = Callable[[Human, Lens], tuple[LensFit, list[FloorPose]]]
 """From a person, and the lens of the robot file. Raises UnusableError and NobodyError."""
+SHEET: Final = "sheet"
+_KINDS: Final = frozenset({".jpg", ".jpeg", ".png"})
 
 
 class LivePictures:
@@ -86,7 +87,7 @@ def _calibrate(
             finally:
                 client.close()
         except (ConfigError, UnusableError) as error:
-            return complain(str(error), _UNUSABLE)
+            return _complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
             return _interrupted()
 
@@ -98,7 +99,7 @@ def _calibrate(
             which, camera = choose(filed, name)
             return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_folder(folder), report)
         except (ConfigError, UnusableError) as error:
-            return complain(str(error), _UNUSABLE)
+            return _complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
             return _interrupted()
 
@@ -142,25 +143,70 @@ def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure,
         after = calibrated(camera, fit, middle_of(poses, camera.width))
         human.show(in_words(camera, after, fit, poses))
         if not agrees(human, f"Write into {path}? [yes/no]"):
-            return complain("not wanted. Nothing was written.", _REFUSED)
+            return _complain("not wanted. Nothing was written.", REFUSED)
         table, fields = f"robot.sensors.{name}", changed(after)
         kept = record(path, table, fields, kept_as=before_today())
     except UnusableError as error:
-        return complain(f"{error}. Nothing was written.", _REFUSED)
+        return _complain(f"{error}. Nothing was written.", REFUSED)
     except NobodyError:
-        return complain("nobody answers. Nothing was written.", _UNUSABLE)
+        return _complain("nobody answers. Nothing was written.", UNUSABLE)
     except RobotFileError as error:
-        return complain(str(error), _REFUSED)
+        return _complain(str(error), REFUSED)
     report(document(path, {table: fields}, kept))
     human.show(f"Written: [{table}] of {path}; as it was before: {kept}. {_THEN}")
-    return _DONE
-
-
-def complain(reason: str, code: int) -> int:
-    """Print one line on standard error; return the code."""
-    print(f"giraff calibrate camera: {reason}", file=sys.stderr, flush=True)
-    return code
+    return DONE
 
 
 def _interrupted() -> int:
-    return complain("interrupted. Nothing was written.", _INTERRUPTED)
+    return _complain("interrupted. Nothing was written.", INTERRUPTED)
+
+
+def lens_from(folder: Path, human: Human, lens: Lens) -> LensFit:
+    """Fit the lens to the pictures of the board, and tell which were of no use. Raises UnusableError."""
+    views: list[View] = []
+    names: list[str] = []
+    for path in _pictures(folder):
+        if path.name.startswith(SHEET):
+            continue
+        try:
+            view = find_board(_read(path, lens), lens)
+        except UnusableError as error:
+            human.show(f"{path.name} does not count: {error}.")
+            continue
+        if is_new(view, views, lens.width):
+            views.append(view)
+            names.append(path.name)
+        else:
+            human.show(f"{path.name} does not count: another picture shows the board so already.")
+    if (words := missing(views, lens.width, lens.height)) and len(views) >= FEWEST:
+        raise UnusableError(f"the {len(views)} views of the board are not spread enough; {words}")
+    fit = fit_lens([view.corners for view in views], lens.width, lens.height)
+    for number in fit.left_out:
+        human.show(f"{names[number]} does not count: its corners do not fit the others'; it may be torn or blurred.")
+    return fit
+
+
+def poses_from(folder: Path, human: Human, lens: Lens) -> list[FloorPose]:
+    """Return the pose from each picture of the sheet that tells it."""
+    found: list[FloorPose] = []
+    for path in _pictures(folder):
+        if path.name.startswith(SHEET):
+            try:
+                found.append(find_sheet(_read(path, lens), lens))
+            except UnusableError as error:
+                human.show(f"{path.name} does not count: {error}.")
+    return found
+
+
+def _pictures(folder: Path) -> list[Path]:
+    try:
+        return sorted(path for path in folder.iterdir() if path.suffix.lower() in _KINDS)
+    except OSError as error:
+        raise UnusableError(f"{folder} cannot be read: {error.strerror}; name a folder of pictures") from error
+
+
+def _read(path: Path, lens: Lens) -> Grey:
+    try:
+        return read(path.read_bytes(), lens)
+    except OSError as error:
+        raise UnusableError(f"it cannot be read: {error.strerror}") from error

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -16,18 +16,18 @@ from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Latch, Wiring
 from giraff_schemas.wires.transitions import FRAME_CLASSES
 from giraff_setup.encoder.advice import advice
-from giraff_setup.encoder.listener import Listener, MuteBoardError
 from giraff_setup.encoder.quadrature import Channel, Figures, analyse
 from giraff_setup.encoder.traces import Trace, drawing, traces
+from giraff_setup.encoder.transitions import Listener, MuteBoardError
 from giraff_setup.wheels.bench import RESTLESS, BenchError, RestlessError, WheelBench
-from giraff_setup.wheels.lifted import DONE, IN_DOUBT, INTERRUPTED, NOT_BEGUN, Human, Terminal, ask_lifted, levels_of
+from giraff_setup.wheels.lifted import IN_DOUBT, NOT_BEGUN, Human, Terminal, ask_lifted, levels_of
 from giraff_setup.wheels.wiring import SIDES, Counted, DoubtError, Side
-from giraff_tools.terminal.document import Report, print_report
+from giraff_tools.terminal.document import INTERRUPTED, Report, complain, print_report
 from giraff_tools.terminal.dots import takes_dots
-from giraff_tools.terminal.fresh_file import require_fresh, write_fresh
-from giraff_tools.terminal.output import guard_stdout
+from giraff_tools.terminal.output import DONE, guard_stdout, require_fresh, write_fresh
 from giraff_tools.terminal.page import print_table, print_wrapped
 
+_complain: Final = partial(complain, "check encoders")
 _DRIVE_TIME: Final = 4.0  # s, 0.8 m at 0.2 m/s: a turn of a disk on the wheel's own shaft, many of one on the motor's
 _HEADINGS: Final = ("wheel", ">phase", ">A high", ">B high", ">A missing", ">B missing", ">pair")
 
@@ -199,8 +199,3 @@ def _as_json(wheel: _Wheel) -> dict[str, Any]:
         },
         "troubles": wheel.troubles,
     }
-
-
-def _complain(text: str, code: int) -> int:
-    print(f"giraff check encoders: {text}", file=sys.stderr)
-    return code

@@ -9,7 +9,7 @@ import msgspec
 import typer
 
 from giraff_core.encoder.disk import Disk, drawing
-from giraff_tools.terminal.fresh_file import write_fresh
+from giraff_tools.terminal.output import write_fresh
 from giraff_tools.terminal.page import print_json
 
 _COMMAND: Final = "giraff encoder disk"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -25,13 +26,11 @@ from giraff_tools.robot_file import (
     rehearse,
     still_overriding,
 )
-from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.document import INTERRUPTED, REFUSED, UNUSABLE, Report, complain, no_report, print_report
 from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, introduce, signals_interrupt
+from giraff_tools.terminal.output import DONE
 
-_DONE: Final = 0
-_REFUSED: Final = 1
-_UNUSABLE: Final = 2
-_INTERRUPTED: Final = 130
+_complain: Final = partial(complain, "calibrate ranger")
 _FIELDS: Final = ("x", "y", "z", "yaw", "scale")
 _THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
 
@@ -62,9 +61,9 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
             introduce(human, connection.robot, path)
             return guide(human, stand, filed, path, report=report)
         except ConfigError as error:
-            return complain(str(error), _UNUSABLE)
+            return _complain(str(error), UNUSABLE)
         except StoppedError as error:
-            return complain(f"{error}. Nothing was written.", _UNUSABLE)
+            return _complain(f"{error}. Nothing was written.", UNUSABLE)
         except KeyboardInterrupt:
             return _interrupted()
 
@@ -91,13 +90,13 @@ def guide(
             {_table(name): {each: getattr(pose, each) for each in _FIELDS} for name, pose in filed.sensors.items()},
         )
     except RobotFileError as error:
-        return complain(str(error), _UNUSABLE)
+        return _complain(str(error), UNUSABLE)
     try:
         tables = _measure(human, stand, filed, pings)
         if not tables:
-            return complain("nothing was found. Nothing was written.", _REFUSED)
+            return _complain("nothing was found. Nothing was written.", REFUSED)
         if not agrees(human, f"Write {', '.join(tables)} into {path}? [yes/no]"):
-            return complain("not wanted. Nothing was written.", _REFUSED)
+            return _complain("not wanted. Nothing was written.", REFUSED)
         now = filed
         for name, fields in list(tables.items()):
             then = placed(now, name, fields)
@@ -108,12 +107,12 @@ def guide(
             else:
                 now = then
         if not tables:
-            return complain("not wanted. Nothing was written.", _REFUSED)
+            return _complain("not wanted. Nothing was written.", REFUSED)
         stand.wait_released()
     except StoppedError as error:
-        return complain(f"{error}. Nothing was written.", _REFUSED)
+        return _complain(f"{error}. Nothing was written.", REFUSED)
     except NobodyError:
-        return complain("nobody answers. Nothing was written.", _UNUSABLE)
+        return _complain("nobody answers. Nothing was written.", UNUSABLE)
     return _write(human, tables, path, report)
 
 
@@ -135,23 +134,17 @@ def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path, 
     try:
         kept = record_all(path, named, kept_as=before_today())
     except RobotFileError as error:
-        return complain(str(error), _REFUSED)
+        return _complain(str(error), REFUSED)
     report(document(path, named, kept))
     human.show(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
     if overriding := still_overriding(named, os.environ):
         human.show(overriding)
-    return _DONE
+    return DONE
 
 
 def _table(name: str) -> str:
     return f"robot.sensors.{name}"
 
 
-def complain(reason: str, code: int) -> int:
-    """Print one line on standard error; return the code."""
-    print(f"giraff calibrate ranger: {reason}", file=sys.stderr, flush=True)
-    return code
-
-
 def _interrupted() -> int:
-    return complain("interrupted. Nothing was written.", _INTERRUPTED)
+    return _complain("interrupted. Nothing was written.", INTERRUPTED)

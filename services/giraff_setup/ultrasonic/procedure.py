@@ -12,9 +12,9 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_schemas.motion import Move, Step, Turn
-from giraff_setup.answers import number
 from giraff_setup.ultrasonic.fit import Echo, SensorFit, UntoldError, Wall, fit, wall_of
 from giraff_tools.terminal.human import Human, agrees
+from giraff_tools.typed import number
 
 SPEED: Final = 0.15  # m/s
 TURN_SPEED: Final = 0.2  # rad/s

@@ -17,14 +17,7 @@ from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.actions import RESET_COMMAND
 from giraff_schemas.boards import BoardType
 from giraff_schemas.trouble import Trouble
-from giraff_schemas.wire import (
-    DriveState,
-    Frame,
-    Latch,
-    Refusal,
-    WheelsFrame,
-    Wiring,
-)
+from giraff_schemas.wire import DriveState, Frame, Latch, Refusal, WheelsFrame, Wiring
 from giraff_setup.wheels.wiring import Counted, Side
 
 _SILENCE: Final = 2.0  # s; an adapter that resets its board costs half of it

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Final, TypeVar
 
@@ -14,16 +14,7 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.wire import Latch, Wiring
 from giraff_setup.wheels.bench import BenchError, WheelBench
-from giraff_setup.wheels.lifted import (
-    DONE,
-    IN_DOUBT,
-    INTERRUPTED,
-    NOT_BEGUN,
-    Human,
-    Terminal,
-    ask_lifted,
-    levels_of,
-)
+from giraff_setup.wheels.lifted import IN_DOUBT, NOT_BEGUN, Human, Terminal, ask_lifted, levels_of
 from giraff_setup.wheels.wiring import (
     SIDES,
     Counted,
@@ -36,11 +27,13 @@ from giraff_setup.wheels.wiring import (
     wiring_of,
 )
 from giraff_tools.robot_file import RobotFileError, before_today, record, still_overriding
-from giraff_tools.terminal.document import Report, print_report
+from giraff_tools.terminal.document import INTERRUPTED, Report, complain, print_report
+from giraff_tools.terminal.output import DONE
 
 AnswerT = TypeVar("AnswerT", bound=str)
 
 _TABLE: Final = "base.drive"
+_complain: Final = partial(complain, "check wheels")
 _DRIVE_TIME: Final = 1.0  # s
 _NOT_JUDGED: Final = 255  # a stall level that is never reached: whose encoder is whose is not known yet
 _TURNED: Final[tuple[Turned, ...]] = (*SIDES, "both", "none")
@@ -165,8 +158,3 @@ def _after(path: Path, kept: Path | None, fields: Mapping[str, bool], environmen
         lines.append(overriding)
     lines.append("Copy the file to the other machines, and start giraff_base.")
     return "\n".join(lines)
-
-
-def _complain(text: str, code: int) -> int:
-    print(f"giraff check wheels: {text}", file=sys.stderr)
-    return code

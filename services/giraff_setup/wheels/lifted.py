@@ -9,11 +9,9 @@ from typing import Final, Protocol
 from giraff_setup.wheels.bench import Levels
 from giraff_setup.wheels.wiring import DoubtError, Side
 
-DONE: Final = 0
 IN_DOUBT: Final = 1
 NOT_BEGUN: Final = 2
-INTERRUPTED: Final = 130
-"""Exit codes."""
+"""Exit codes, beside those of any talk with a person."""
 
 _WORD: Final = "lifted"
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, Final, Self
 
 import msgspec
+import zenoh
 
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
@@ -16,10 +17,9 @@ from giraff_node.network.tokens import list_robots
 from giraff_schemas.health import Health
 from giraff_schemas.messages import Sample
 from giraff_schemas.text import meant
-from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
+from giraff_schemas.topics import ROOT, TOPICS, Topic, health_key, key_of, topic_of
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.network.header_subscriber import HeaderSubscriber
-from giraff_tools.network.statistics import Arrival, TopicStatistics
+from giraff_tools.network.statistics import Arrival, Header, TopicStatistics
 from giraff_tools.network.topic_keys import intersects, is_declared
 from giraff_tools.terminal.signals import StopSignal
 
@@ -30,6 +30,8 @@ _ANSWER_WITHIN: Final = 1.0  # s
 _SETTLED: Final = 0.4  # s after the first word: the other processes of a robot are met within some ten ms
 _MOST_WAITING: Final = 20_000  # samples
 _ORDER: Final = {topic.key: number for number, topic in enumerate(TOPICS)}
+_MOST_HEADS: Final = 200_000
+_heads: Final = msgspec.msgpack.Decoder(Header)
 
 
 class NodeId(msgspec.Struct, frozen=True, order=True):
@@ -227,3 +229,36 @@ def _place(key: str) -> tuple[int, str]:
     """In the order of the topics table, unknown ones last."""
     row = topic_of(key)
     return (len(_ORDER) if row is None else _ORDER[row.key], key)
+
+
+class HeaderSubscriber:
+    """Hears how samples travel, not what they say: only their heads are read, so that a flood is counted, too.
+
+    From its making on; `dispatch` from one thread only.
+    """
+
+    def __init__(self, session: zenoh.Session, robot: str, topic: Topic[Any] | None = None) -> None:
+        """`topic`: the only one to hear; None: whatever is said below the robot's name."""
+        self._below = f"{ROOT}/{robot}/"
+        self._came: deque[Arrival] = deque(maxlen=_MOST_HEADS)
+        key = f"{self._below}**" if topic is None else key_of(robot, topic)
+        self._subscriber = session.declare_subscriber(key, self._on_sample)
+
+    def dispatch(self, hear: Callable[[Arrival], None]) -> None:
+        """Pass on what has come since the last call."""
+        for _ in range(len(self._came)):
+            hear(self._came.popleft())
+
+    def _on_sample(self, received: zenoh.Sample) -> None:
+        at, wall_ns = time.monotonic(), time.time_ns()
+        payload = bytes(received.payload)
+        key = str(received.key_expr).removeprefix(self._below)
+        self._came.append(Arrival(key, len(payload), _head(payload), at, wall_ns))
+
+
+def _head(payload: bytes) -> Header | None:
+    try:
+        head = _heads.decode(payload)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return None
+    return head if head.instance else None

@@ -5,10 +5,15 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Callable
-from typing import Any, TextIO
+from typing import Any, Final, TextIO
 
 from giraff_tools.terminal.output import DONE, guard_stdout
 from giraff_tools.terminal.text import json_page
+
+REFUSED: Final = 1
+UNUSABLE: Final = 2
+INTERRUPTED: Final = 130
+"""Exit codes, beside DONE."""
 
 Report = Callable[[Any], None]
 """Takes the document of a command. The last one counts."""
@@ -16,6 +21,12 @@ Report = Callable[[Any], None]
 
 def no_report(_document: Any) -> None:
     """Drop a document that no program has asked for."""
+
+
+def complain(command: str, reason: str, code: int) -> int:
+    """Print on standard error, in one line, why a command ends; return the code."""
+    print(f"giraff {command}: {reason}", file=sys.stderr, flush=True)
+    return code
 
 
 def print_report(act: Callable[[Report], int], *, as_json: bool) -> int:

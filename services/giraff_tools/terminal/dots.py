@@ -1,9 +1,9 @@
-"""A drawing in characters: eight dots in each, or `#` where a terminal has none."""
+"""A drawing in characters: eight dots in each, or `#` where a terminal has none; and curves over time in it."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 _DOTS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # of a braille character: by row, then column
@@ -12,6 +12,8 @@ ACROSS: Final = 2
 """Dots of a character, from left to right."""
 DOWN: Final = 4
 """Dots of a character, from top to bottom."""
+_COLUMNS: Final = 72
+_LINES: Final = 12
 
 
 class Dots:
@@ -58,3 +60,21 @@ def _sign(bits: int, *, dots: bool) -> str:
     if not bits:
         return " "
     return chr(_BRAILLE + bits) if dots else "#"
+
+
+def draw_curves(
+    curves: Sequence[Sequence[float]], low: float, high: float, seconds: float, *, dots: bool
+) -> Iterator[str]:
+    """Return the lines of curves that all last so many s, between `low` and `high`, with both at the margin."""
+    drawing = Dots()
+    width, height = _COLUMNS * ACROSS - 1, _LINES * DOWN - 1
+    for curve in curves:
+        for at, value in enumerate(curve):
+            drawing.set(round(at / len(curve) * width), round((high - value) / (high - low) * height))
+    lines = [*drawing.lines(dots=dots)]
+    scale = {0: high, len(lines) - 1: low}
+    bar = "│" if dots else "|"
+    for number, line in enumerate(lines):
+        label = f"{scale[number]:6.1f}" if number in scale else ""
+        yield f"{label:6} {bar}{line}"
+    yield f"{'':7}0{'':{_COLUMNS - 4}}{seconds:g} s"

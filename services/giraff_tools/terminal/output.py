@@ -1,4 +1,4 @@
-"""Standard output of a command, which whoever reads it may close, and a full disk refuse."""
+"""What a command writes: its standard output, which whoever reads it may close, and files that are not there yet."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import errno
 import os
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Final, TextIO
 
 DONE: Final = 0
@@ -48,3 +49,27 @@ def discard_stdout() -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)
+
+
+def require_fresh(path: Path) -> None:
+    """Raise ValueError, with the cause and the remedy, unless `write_fresh` can make this file now."""
+    try:
+        write_fresh(path, "")
+        path.unlink()
+    except FileExistsError as error:
+        raise ValueError(f"{path} is there already: name another file, or delete it first") from error
+    except FileNotFoundError as error:
+        raise ValueError(f"{path} cannot be written: there is no such folder; make it, or name another") from error
+    except OSError as error:
+        raise ValueError(f"{path} cannot be written: {error.strerror}; name another file") from error
+
+
+def write_fresh(path: Path, text: str) -> None:
+    """Write a file that is not there yet. A piece of it serves nobody and is deleted."""
+    with path.open("x", encoding="utf-8") as fresh:
+        try:
+            fresh.write(text)
+            fresh.flush()
+        except OSError:
+            path.unlink()
+            raise

@@ -9,7 +9,7 @@ import pytest
 
 from giraff_schemas.messages import Wheels
 from giraff_schemas.topics import WHEELS, Topic
-from giraff_setup.wheels.odometry.heard import NetworkWheels
+from giraff_setup.wheels.odometry.calibrate import NetworkWheels
 from giraff_tools.network.connection import Listener
 from tests.unit.calibrate.person import FiledRobot
 

@@ -24,7 +24,7 @@ from giraff_node.config.robot_file import load
 from giraff_schemas.boards import JOYSTICK_BOARD, BoardType
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import TiltFrame, TiltStatus
-from giraff_setup.joystick import board, calibrate
+from giraff_setup.joystick import calibrate
 from giraff_setup.joystick.attitude import PoseError, gravity_of
 from giraff_sim.board import ROOT
 from giraff_tools.terminal.human import NobodyError
@@ -141,8 +141,8 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     copy = tmp_path / "robot.toml"
     copy.write_bytes((ROOT / "deploy" / "robot.toml").read_bytes())
     monkeypatch.setenv("GIRAFF_CONFIG", str(copy))
-    monkeypatch.setattr(board, "BoardLink", Link)
-    monkeypatch.setattr(board, "_SILENCE", 0.0)
+    monkeypatch.setattr(calibrate, "BoardLink", Link)
+    monkeypatch.setattr(calibrate, "_SILENCE", 0.0)
     monkeypatch.setattr(calibrate, "Terminal", Person)
     for name in ("truth", "pose", "status", "boot", "is_there", "shakes"):
         monkeypatch.setattr(Link, name, getattr(Link, name))

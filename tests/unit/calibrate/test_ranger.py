@@ -23,8 +23,8 @@ from giraff_setup.ultrasonic import stand
 from giraff_setup.ultrasonic.calibrate import guide
 from giraff_setup.ultrasonic.conclusion import bounded, placed, warning
 from giraff_setup.ultrasonic.fit import Echo, SensorFit
-from giraff_setup.ultrasonic.heard import Hearing
 from giraff_setup.ultrasonic.procedure import Measured, StoppedError, measure
+from giraff_setup.ultrasonic.stand import Hearing
 from giraff_sim.board import ROOT
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import SonarFault

@@ -12,8 +12,7 @@ from giraff_base.config import BaseConfig
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_base.drives.balancer.stability import PERIOD, Gains, Loop
 from giraff_node.config.robot_file import load
-from giraff_setup.balancer.gains import gains_of, sampled
-from giraff_setup.balancer.tune import STEP, respond_to_step
+from giraff_setup.balancer.tune import STEP, gains_of, respond_to_step, sampled
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import Giraff
 

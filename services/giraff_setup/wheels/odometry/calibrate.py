@@ -2,33 +2,38 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import is_simulated_here, others
-from giraff_setup.wheels.odometry.conclusion import UNUSABLE, complain, conclude
-from giraff_setup.wheels.odometry.heard import NetworkWheels, differences
+from giraff_schemas.messages import Sample, Wheels
+from giraff_schemas.topics import WHEELS, Topic
+from giraff_setup.wheels.odometry.conclusion import conclude, refuse
 from giraff_setup.wheels.odometry.procedure import Procedure, WheelSource
 from giraff_setup.wheels.odometry.runs import Geometry
 from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.limits import ask_base
 from giraff_tools.robot_file import own_robot_file
-from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.terminal.document import INTERRUPTED, UNUSABLE, Report, no_report, print_report
 from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, introduce, signals_interrupt
 
 _PATIENCE: Final = 3.0  # s
-
-_INTERRUPTED: Final = 130
 
 _THEN: Final = (
     "Nothing goes by it yet: copy the file to the robot's other machines, let the robot stand, and restart its "
     "services.\n`giraff doctor` names those that still go by another geometry."
 )
 _THEN_SIMULATED: Final = "Nothing goes by it yet: end `giraff run` and start it again."
+_TURN: Final = 0.02  # s
+_COMPARED: Final = ("track_width", "ticks_per_metre")
+"""What scales are factors of."""
 
 
 def calibrate_odometry(
@@ -48,13 +53,13 @@ def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, rep
             path, filed = own_robot_file(connection.robot, file)
             wheels = NetworkWheels(connection)
             if not wheels.wait(_PATIENCE):
-                return complain(_unheard(connection), UNUSABLE)
+                return refuse(_unheard(connection), UNUSABLE)
             introduce(human, connection.robot, path)
             for words in differences(connection, filed):
                 human.show(f"{words}: what is found holds for the value of the file.")
             return guide(human, wheels, connection.robot, filed, path, force=force, report=report)
         except ConfigError as error:
-            return complain(str(error), UNUSABLE)
+            return refuse(str(error), UNUSABLE)
         except KeyboardInterrupt:
             return _interrupted()
 
@@ -90,7 +95,7 @@ def guide(
             then=_THEN_SIMULATED if is_simulated_here(robot) else _THEN,
         )
     except NobodyError:
-        return complain("nobody answers. Nothing was written.", UNUSABLE)
+        return refuse("nobody answers. Nothing was written.", UNUSABLE)
     if conclusion.outcome:
         report(conclusion.outcome)
     return conclusion.code
@@ -103,4 +108,54 @@ def _unheard(connection: RobotConnection) -> str:
 
 
 def _interrupted() -> int:
-    return complain("interrupted. Nothing was written.", _INTERRUPTED)
+    return refuse("interrupted. Nothing was written.", INTERRUPTED)
+
+
+class NetworkWheels:
+    """Hears the wheels of a robot on the network."""
+
+    def __init__(self, connection: RobotConnection) -> None:
+        self._connection = connection
+        self._waiting: list[Wheels] = []
+        self._heard_at = -math.inf
+        connection.subscribe(WHEELS)
+
+    def wait(self, patience: float) -> bool:
+        """Whether any come within so many s. They stay to be polled."""
+        deadline = time.monotonic() + patience
+        while not self._waiting and time.monotonic() < deadline:
+            self._connection.dispatch(self)
+            time.sleep(_TURN)
+        return bool(self._waiting)
+
+    def poll(self) -> list[Wheels]:
+        """What came since the last call."""
+        self._connection.dispatch(self)
+        heard, self._waiting = self._waiting, []
+        return heard
+
+    @property
+    def silence(self) -> float:
+        """s since the last one came; infinite where none has."""
+        return time.monotonic() - self._heard_at
+
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        """As a `Listener`."""
+        del topic, key, at_ns
+        if isinstance(sample, Wheels):
+            self._waiting.append(sample)
+            self._heard_at = time.monotonic()
+
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
+        """Wheels that are silent say it."""
+
+
+def differences(connection: RobotConnection, robot: RobotConfig) -> list[str]:
+    """Return how the robot file differs from what the robot that runs says, in words. Empty where base is silent."""
+    answer = ask_base(connection).wait(time.monotonic() + _PATIENCE)
+    told = {param.name.removeprefix("robot."): param.value for param in answer.params} if answer else {}
+    return [
+        f"{name} is {getattr(robot, name):g} in the robot file of this machine and {told[name]} in the robot"
+        for name in _COMPARED
+        if name in told and told[name] != getattr(robot, name)
+    ]

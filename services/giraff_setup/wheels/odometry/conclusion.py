@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import datetime as dt
-import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -21,12 +21,11 @@ from giraff_setup.wheels.odometry.judgement import (
 )
 from giraff_setup.wheels.odometry.runs import Geometry, Run
 from giraff_tools.robot_file import RobotFileError, record
+from giraff_tools.terminal.document import REFUSED, complain
+from giraff_tools.terminal.output import DONE
 from giraff_tools.terminal.page import print_wrapped
 
-DONE: Final = 0
-REFUSED: Final = 1
-UNUSABLE: Final = 2
-
+refuse: Final = partial(complain, "calibrate odometry")
 _NOT_WRITTEN: Final = "Nothing was written"
 
 
@@ -56,11 +55,11 @@ def conclude(
     written. `then`: what is to be done once it is.
     """
     if not checked:
-        return Conclusion(complain(f"no run is left to judge the fit by: add one. {_NOT_WRITTEN}.", REFUSED), {})
+        return Conclusion(refuse(f"no run is left to judge the fit by: add one. {_NOT_WRITTEN}.", REFUSED), {})
     try:
         found = fit(fitted, geometry)
     except UndeterminedError as error:
-        return Conclusion(complain(f"{error}. {_NOT_WRITTEN}.", REFUSED), {})
+        return Conclusion(refuse(f"{error}. {_NOT_WRITTEN}.", REFUSED), {})
     judgement = judge(checked, geometry, found.scales)
     tell(in_words(found, judgement, geometry))
     is_known = is_known_already(found, geometry.scales)
@@ -69,7 +68,7 @@ def conclude(
     )
     outcome = {**for_programs(found, judgement, geometry), "refused": refusal, "robot_file": None}
     if refusal:
-        return Conclusion(complain(f"refused: {refusal}. {_NOT_WRITTEN}.", REFUSED), outcome)
+        return Conclusion(refuse(f"refused: {refusal}. {_NOT_WRITTEN}.", REFUSED), outcome)
     if robot_file is None:
         tell(f"{_NOT_WRITTEN}: the robot file is that of another robot.")
         return Conclusion(DONE, outcome)
@@ -77,17 +76,11 @@ def conclude(
         tell(f"Nothing to gain: it is calibrated so already. {_NOT_WRITTEN}.")
         return Conclusion(DONE, outcome)
     if not agrees():
-        return Conclusion(complain(f"not wanted. {_NOT_WRITTEN}.", REFUSED), outcome)
+        return Conclusion(refuse(f"not wanted. {_NOT_WRITTEN}.", REFUSED), outcome)
     table = table_of(found, judgement, dt.datetime.now().astimezone().date().isoformat())
     try:
         kept = record(robot_file, "robot.calibration", msgspec.to_builtins(table), kept_as=f"before-{table.date}")
     except RobotFileError as error:
-        return Conclusion(complain(str(error), REFUSED), outcome)
+        return Conclusion(refuse(str(error), REFUSED), outcome)
     tell(f"Written: [robot.calibration] of {robot_file}; as it was before: {kept}. {then}")
     return Conclusion(DONE, {**outcome, "robot_file": str(robot_file)})
-
-
-def complain(reason: str, code: int) -> int:
-    """One line on standard error; the code."""
-    print(f"giraff calibrate odometry: {reason}", file=sys.stderr, flush=True)
-    return code

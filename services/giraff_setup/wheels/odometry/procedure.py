@@ -9,7 +9,6 @@ from typing import Final, NamedTuple, Protocol
 import numpy as np
 
 from giraff_schemas.messages import Wheels
-from giraff_setup.answers import heading, number
 from giraff_setup.wheels.odometry.fit import UndeterminedError, fit
 from giraff_setup.wheels.odometry.listening import WheelListener
 from giraff_setup.wheels.odometry.plan import PLAN, Leg
@@ -18,6 +17,7 @@ from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
 from giraff_setup.wheels.odometry.variance import SLIP
 from giraff_setup.wheels.odometry.windows import WHOLE, residuals, uncertainty, windows_of
 from giraff_tools.terminal.human import Human
+from giraff_tools.typed import heading, number
 
 _ODD: Final = 16.3
 """Chi squared of three values, which one run of a thousand exceeds that is measured as well as it should be."""

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from giraff_setup.curve import draw_curves
 from giraff_setup.wheels.speed.fit import SPEED, Follow, Leg, Motor, respond
+from giraff_tools.terminal.dots import draw_curves
 
 _POINTS: Final = 288  # two for each column of dots
 _ASKED_POINTS: Final = 36  # the asked speed is dotted

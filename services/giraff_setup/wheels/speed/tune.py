@@ -6,12 +6,13 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final, Protocol, Self
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Wheels
 from giraff_schemas.text import printable
 from giraff_setup.wheels.speed.drive import SpeedDrive, UnfitDriveError
@@ -27,20 +28,27 @@ from giraff_setup.wheels.speed.fit import (
     measure,
 )
 from giraff_setup.wheels.speed.report import tell_changes, tell_drive, tell_fastest, tell_follow, tell_motors
-from giraff_setup.wheels.speed.trial import TABLE, Trial
 from giraff_tools.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.robot_file import RobotFileError, document, own_robot_file, rehearse, still_overriding
-from giraff_tools.terminal.document import Report, no_report, print_report
+from giraff_tools.robot_file import (
+    RobotFileError,
+    Value,
+    before_today,
+    document,
+    own_robot_file,
+    record,
+    rehearse,
+    still_overriding,
+)
+from giraff_tools.terminal.document import INTERRUPTED, REFUSED, Report, no_report, print_report
 from giraff_tools.terminal.dots import takes_dots
 from giraff_tools.terminal.human import Human, NobodyError, Terminal, agrees, signals_interrupt
+from giraff_tools.terminal.output import DONE
 from giraff_tools.terminal.program import user_at_host
 
-DONE: Final = 0
-REFUSED: Final = 1
-_INTERRUPTED: Final = 130
 _FREE: Final = DISTANCE + 0.1  # m
 _NOT_KEPT: Final = "No gains were changed for good."
+TABLE: Final = "base.drive.speed_control"
 
 
 class Driven(Protocol):
@@ -84,13 +92,13 @@ def _tune(robot: str | None, connect: Sequence[str], file: Path | None, report: 
         except (ConfigError, RobotFileError) as error:
             return complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
-            return complain(f"interrupted. {_NOT_KEPT}", _INTERRUPTED)
+            return complain(f"interrupted. {_NOT_KEPT}", INTERRUPTED)
 
     with signals_interrupt():
         try:
             return run_with_robot(robot, connect, act, moves=True, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
-            return complain(f"interrupted. {_NOT_KEPT}", _INTERRUPTED)
+            return complain(f"interrupted. {_NOT_KEPT}", INTERRUPTED)
 
 
 def drive_of(path: Path) -> WheelsConfig:
@@ -206,3 +214,39 @@ def _print_lines(lines: Iterable[str]) -> None:
     """Print rows and pictures, which are not to be wrapped."""
     for line in lines:
         print(line, flush=True)
+
+
+class Trial:
+    """The robot file with other gains. It is put back at the end, whatever ends it, unless its gains stay."""
+
+    def __init__(self, human: Human, path: Path, found: Mapping[str, Value]) -> None:
+        """Write the gains. Raises RobotFileError."""
+        self._human, self._path = human, path
+        self.copy = record(path, TABLE, found, kept_as=before_today())
+        """The file as it was."""
+        self._written = path.read_bytes()
+        self.stays = False
+        """The new gains are better."""
+        self.is_settled = False
+        """At the end the file has the better gains, and no others."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.is_settled = self.stays
+        if self.stays:
+            return
+        why = "it was changed meanwhile"
+        try:
+            if self.copy is not None and self._path.read_bytes() == self._written:
+                write_file_durably(self._path, self.copy.read_bytes())
+                self.copy.unlink()
+                self.is_settled = True
+        except OSError as error:
+            why = str(error)
+        self._human.show(
+            f"The gains on trial are still in {self._path}: {why}. It was before: {self.copy}."
+            if not self.is_settled
+            else f"{self._path} is as it was. If base has been restarted, restart it once more, at rest."
+        )

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
-from giraff_setup.wheels.odometry.conclusion import UNUSABLE, complain, conclude
+from giraff_setup.wheels.odometry.conclusion import conclude, refuse
 from giraff_setup.wheels.odometry.recorded.slips import require_plausible
 from giraff_setup.wheels.odometry.recorded.tables import RecordingError, as_run, read_metadata, read_table
 from giraff_setup.wheels.odometry.runs import Geometry, Run
-from giraff_tools.terminal.document import Report, print_report
+from giraff_tools.terminal.document import UNUSABLE, Report, print_report
 from giraff_tools.terminal.program import redirected
 
 
@@ -47,7 +47,7 @@ def _calibrate(asked: CommandLine, report: Report) -> int:
         runs = read_runs([*fit_files, *check_files], geometry)
         to_fit, to_check = runs[: len(fit_files)], runs[len(fit_files) :]
     except (RecordingError, ConfigError) as error:
-        return complain(str(error), UNUSABLE)
+        return refuse(str(error), UNUSABLE)
     conclusion = conclude(to_fit, to_check, geometry, path, force=asked.force)
     if conclusion.outcome:
         report(conclusion.outcome)
