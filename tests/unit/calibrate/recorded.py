@@ -11,8 +11,7 @@ import numpy as np
 
 from giraff_core.kinematics.calibration import Scales
 from giraff_setup.wheels.odometry.fit import Fit, fit
-from giraff_setup.wheels.odometry.paths import Floats, path
-from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
+from giraff_setup.wheels.odometry.runs import Floats, Geometry, MeasuredPose, Run, path
 from tests.rules.repository import ROOT
 
 DATA = ROOT / "tests" / "data" / "optiodom"

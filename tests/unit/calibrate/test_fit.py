@@ -11,8 +11,7 @@ import pytest
 import giraff_setup.wheels.odometry.fit
 from giraff_core.kinematics.calibration import Calibration, Scales, cholesky
 from giraff_setup.wheels.odometry.fit import Fit, UndeterminedError, fit
-from giraff_setup.wheels.odometry.paths import end_errors
-from giraff_setup.wheels.odometry.runs import Run
+from giraff_setup.wheels.odometry.runs import Run, end_errors
 from tests.unit.calibrate.recorded import (
     CHECKED,
     FITTED,

@@ -20,8 +20,7 @@ from giraff_node.config.robot_file import load
 from giraff_schemas.messages import Lease, Odometry, Range
 from giraff_schemas.motion import Move, Turn
 from giraff_setup.ultrasonic import stand
-from giraff_setup.ultrasonic.calibrate import guide
-from giraff_setup.ultrasonic.conclusion import bounded, placed, warning
+from giraff_setup.ultrasonic.calibrate import bounded, guide, placed, warning
 from giraff_setup.ultrasonic.fit import Echo, SensorFit
 from giraff_setup.ultrasonic.procedure import Measured, StoppedError, measure
 from giraff_setup.ultrasonic.stand import Hearing

@@ -18,10 +18,9 @@ import pytest
 from giraff_core.kinematics.calibration import Scales
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
-from giraff_setup.wheels.odometry.paths import Floats
 from giraff_setup.wheels.odometry.recorded.slips import require_plausible
 from giraff_setup.wheels.odometry.recorded.tables import RecordingError
-from giraff_setup.wheels.odometry.runs import Geometry, Run
+from giraff_setup.wheels.odometry.runs import Floats, Geometry, Run
 from tests.rules.repository import ROOT
 from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of, turn
 from tests.unit.cli.typed import Giraff, typed

@@ -17,8 +17,7 @@ import numpy as np
 
 from giraff_core.kinematics.calibration import Calibration, Covariance, Scales
 from giraff_setup.condition import is_determined
-from giraff_setup.wheels.odometry.paths import Floats, way
-from giraff_setup.wheels.odometry.runs import Geometry, Run
+from giraff_setup.wheels.odometry.runs import Floats, Geometry, Run, way
 from giraff_setup.wheels.odometry.variance import SLIP, Linear, Noise, noise_of, solve
 from giraff_setup.wheels.odometry.windows import LENGTH, WHOLE, Uncertainty, residuals, uncertainty, windows_of
 

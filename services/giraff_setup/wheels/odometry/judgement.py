@@ -8,8 +8,7 @@ from typing import Any, Final, NamedTuple
 
 from giraff_core.kinematics.calibration import Calibration, Scales
 from giraff_setup.wheels.odometry.fit import Fit
-from giraff_setup.wheels.odometry.paths import end_errors, heading_errors
-from giraff_setup.wheels.odometry.runs import Geometry, Run
+from giraff_setup.wheels.odometry.runs import Geometry, Run, end_errors, heading_errors
 from giraff_tools.terminal.text import counted
 
 _WHEEL_CHANGE: Final = 0.05

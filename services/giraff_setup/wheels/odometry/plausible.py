@@ -9,9 +9,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from giraff_core.kinematics.calibration import Scales
-from giraff_setup.wheels.odometry.paths import path, travels, way
 from giraff_setup.wheels.odometry.plan import Leg
-from giraff_setup.wheels.odometry.runs import Geometry, Run
+from giraff_setup.wheels.odometry.runs import Geometry, Run, path, travels, way
 
 _EXPLAINED: Final = 0.10
 """Share by which wheels and track may differ from the robot file: far more than any that is measured at all."""

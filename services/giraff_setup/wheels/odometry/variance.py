@@ -14,7 +14,7 @@ import numpy as np
 
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_setup.condition import is_determined
-from giraff_setup.wheels.odometry.paths import Floats
+from giraff_setup.wheels.odometry.runs import Floats
 from giraff_setup.wheels.odometry.windows import Uncertainty
 
 SLIP: Final = WHEEL_NOISE

@@ -17,8 +17,19 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from giraff_core.kinematics.calibration import Scales
-from giraff_setup.wheels.odometry.paths import SIDES, Floats, as_array, path, seen_from, travels, way, wrapped
-from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
+from giraff_setup.wheels.odometry.runs import (
+    SIDES,
+    Floats,
+    Geometry,
+    MeasuredPose,
+    Run,
+    as_array,
+    path,
+    seen_from,
+    travels,
+    way,
+    wrapped,
+)
 
 LENGTH: Final = 0.7
 """m of way of one window where poses are measured all along. On the recorded runs any length from 0.5 to 2 m does, for

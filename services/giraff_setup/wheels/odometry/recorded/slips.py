@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 
 from giraff_core.kinematics.calibration import Scales
-from giraff_setup.wheels.odometry.paths import Floats, path, wrapped
 from giraff_setup.wheels.odometry.recorded.tables import (
     LEFT,
     NO_WHEEL_TURNED,
@@ -22,7 +21,7 @@ from giraff_setup.wheels.odometry.recorded.tables import (
     as_run,
     unwrapped,
 )
-from giraff_setup.wheels.odometry.runs import Geometry, Run
+from giraff_setup.wheels.odometry.runs import Floats, Geometry, Run, path, wrapped
 from giraff_setup.wheels.odometry.windows import LENGTH, Window, residuals, windows_of
 
 _OFF: Final = 0.25

@@ -16,8 +16,7 @@ import numpy as np
 
 from giraff_core.bounds import Bounds
 from giraff_schemas.text import plain
-from giraff_setup.wheels.odometry.paths import Floats
-from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
+from giraff_setup.wheels.odometry.runs import Floats, Geometry, MeasuredPose, Run
 
 TIME, X, Y, YAW, RIGHT, LEFT = range(6)
 """Columns."""
