@@ -8,8 +8,8 @@ import pytest
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from tests.support.report import report
-from tests.unit.calibrate.drawn import calibrated
 from tests.unit.odometry.ellipses import PATHS, Path, held
+from tests.unit.setup.drawn import calibrated
 
 _ROBOTS = 200
 

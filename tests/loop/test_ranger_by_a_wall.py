@@ -25,8 +25,8 @@ from giraff_sim.world.room import Pose as TruePose
 from tests.loop.loops import SETTINGS
 from tests.loop.motions import Stage, stage
 from tests.sim.robots import proving_room
-from tests.unit.calibrate.walls import RANGES, TapePerson
 from tests.unit.motion.claims import CALIBRATED
+from tests.unit.setup.walls import RANGES, TapePerson
 
 _PINGS: Final = 24
 _WALL: Final = 4.0  # m, x of the room's wall

@@ -10,7 +10,7 @@ import pytest
 from giraff_setup.wheels.odometry.plan import PLAN
 from giraff_setup.wheels.odometry.procedure import Measured, Procedure
 from giraff_tools.terminal.human import NobodyError
-from tests.unit.calibrate.person import GEOMETRY, Act, FiledRobot, Person
+from tests.unit.setup.person import GEOMETRY, Act, FiledRobot, Person
 
 
 def guided(

@@ -12,7 +12,7 @@ from giraff_setup.wheels.odometry.plan import POSITION_SD, YAW_SD
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
 from giraff_sim.world.room import Pose
 from tests.support.floor_robot import FloorRobot
-from tests.unit.calibrate import person
+from tests.unit.setup import person
 
 _SPEED: Final = 0.6  # m/s
 _RESTS: Final = 0.6  # s

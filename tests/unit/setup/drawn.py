@@ -20,8 +20,8 @@ from giraff_setup.wheels.odometry.procedure import Procedure
 from giraff_setup.wheels.odometry.runs import Geometry
 from giraff_sim.world.room import Pose
 from tests.support.floor_robot import FloorRobot
-from tests.unit.calibrate.person import Person
-from tests.unit.calibrate.taped import TapedRobot
+from tests.unit.setup.person import Person
+from tests.unit.setup.taped import TapedRobot
 
 Path = Callable[[FloorRobot], None]
 

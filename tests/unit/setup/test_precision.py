@@ -10,7 +10,7 @@ import numpy as np
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_setup.wheels.odometry.plan import PLAN
 from giraff_sim.truth import TruthRanges
-from tests.unit.calibrate.drawn import calibrated
+from tests.unit.setup.drawn import calibrated
 
 _ROBOTS: Final = 6
 _WANTED: Final = np.array((0.002, 0.002, 0.004))

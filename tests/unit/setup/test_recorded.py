@@ -22,8 +22,8 @@ from giraff_setup.wheels.odometry.recorded.slips import require_plausible
 from giraff_setup.wheels.odometry.recorded.tables import RecordingError
 from giraff_setup.wheels.odometry.runs import Floats, Geometry, Run
 from tests.rules.repository import ROOT
-from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of, turn
 from tests.unit.cli.typed import Giraff, typed
+from tests.unit.setup.recorded import DATA, GEOMETRY, driven, square, straight, table_of, turn
 
 METADATA = str(DATA / "square-a_metadata.csv")
 FIT = tuple(f"--fit={DATA / f'square-a_run-0{number}.csv'}" for number in (1, 2, 4, 5))

@@ -10,9 +10,9 @@ import pytest
 from giraff_core.kinematics.calibration import Scales
 from giraff_setup.wheels.odometry.judgement import Checked, Judgement
 from giraff_setup.wheels.odometry.recorded import tables
-from tests.unit.calibrate.recorded import table_of
-from tests.unit.calibrate.test_recorded import CHECK, FIT, METADATA, OTHERS, made_up, refused, robot_file, save, say
 from tests.unit.cli.typed import Giraff
+from tests.unit.setup.recorded import table_of
+from tests.unit.setup.test_recorded import CHECK, FIT, METADATA, OTHERS, made_up, refused, robot_file, save, say
 
 __all__ = ["robot_file", "say"]
 TABLE = table_of("square-a_run-04")

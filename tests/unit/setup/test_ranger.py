@@ -29,8 +29,8 @@ from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import SonarFault
 from giraff_tools.terminal.human import NobodyError
 from tests.support.robots import ROBOT
-from tests.unit.calibrate.walls import DrawnStand, TapePerson, bare_wall
 from tests.unit.cli.samples import at, odometry
+from tests.unit.setup.walls import DrawnStand, TapePerson, bare_wall
 
 _CALIBRATED: Final = '\n[robot.calibration]\ndate = "2026-11-25"\n'
 _FARTHER: Final = "all the same"

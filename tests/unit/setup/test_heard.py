@@ -11,7 +11,7 @@ from giraff_schemas.messages import Wheels
 from giraff_schemas.topics import WHEELS, Topic
 from giraff_setup.wheels.odometry.calibrate import NetworkWheels
 from giraff_tools.network.connection import Listener
-from tests.unit.calibrate.person import FiledRobot
+from tests.unit.setup.person import FiledRobot
 
 
 class Connection:

@@ -21,8 +21,8 @@ from giraff_setup.wheels.odometry.calibrate import guide
 from giraff_setup.wheels.odometry.plan import PLAN
 from giraff_sim.board import ROOT
 from giraff_tools.robot_file import own_robot_file
-from tests.unit.calibrate.person import Act, Person
-from tests.unit.calibrate.taped import TapedRobot
+from tests.unit.setup.person import Act, Person
+from tests.unit.setup.taped import TapedRobot
 
 SIMULATED = simulated_name(socket.gethostname())
 

@@ -12,7 +12,7 @@ import giraff_setup.wheels.odometry.fit
 from giraff_core.kinematics.calibration import Calibration, Scales, cholesky
 from giraff_setup.wheels.odometry.fit import Fit, UndeterminedError, fit
 from giraff_setup.wheels.odometry.runs import Run, end_errors
-from tests.unit.calibrate.recorded import (
+from tests.unit.setup.recorded import (
     CHECKED,
     FITTED,
     GEOMETRY,

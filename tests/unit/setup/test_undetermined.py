@@ -20,8 +20,8 @@ from giraff_setup.wheels.odometry.fit import UndeterminedError, fit
 from giraff_setup.wheels.odometry.runs import Geometry
 from giraff_setup.wheels.odometry.windows import uncertainty, windows_of
 from tests.support.robots import ROBOT
-from tests.unit.calibrate.recorded import NOMINAL, driven, straight
-from tests.unit.calibrate.walls import DrawnStand
+from tests.unit.setup.recorded import NOMINAL, driven, straight
+from tests.unit.setup.walls import DrawnStand
 
 FINEST = Geometry(200_000.0, 0.25)
 """The finest encoder that a robot file takes."""
