@@ -8,12 +8,22 @@ from typing import Final
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import BaseState, Clearance, DirectionLimit, EStop, GuardState, Lease, Sample
 from giraff_schemas.trouble import Trouble
-from giraff_viewer.glyphs import drawable
 
 Line = tuple[str, str]
 """Level (INFO, WARN or ERROR) and text."""
 
 _NUMBER: Final = re.compile(r"\d+")
+_BLOCKS: Final = (range(0x20, 0x7F), range(0xA0, 0x149), range(0x14A, 0x17F), range(0x391, 0x3CA), range(0x410, 0x450))
+ALPHABET: Final = tuple(chr(number) for block in _BLOCKS for number in block if chr(number).isprintable())
+"""Latin with its accents, Greek and Cyrillic letters.
+
+The viewer's headless form ends at a character for which its font has no glyph."""
+_DRAWN: Final = frozenset(ALPHABET)
+
+
+def drawable(text: str) -> str:
+    """Return text of the network on one line, with a question mark for each character that has no glyph."""
+    return "".join(character if character in _DRAWN else "?" for character in text)
 
 
 class EventText:

@@ -27,9 +27,8 @@ from giraff_viewer.event_text import EventText, Line
 from giraff_viewer.pictures import Pictures
 from giraff_viewer.plots import Series, Values, balance_series, series
 from giraff_viewer.rows import FLOOR, Row, planar, turned
-from giraff_viewer.shapes import arc, cone, ellipse, grid, headings, outline, placed
+from giraff_viewer.shapes import Point, Trail, arc, cone, ellipse, grid, headings, outline, placed
 from giraff_viewer.surroundings import Surroundings
-from giraff_viewer.trail import Point, Trail
 from giraff_viewer.vision import Vision
 from giraff_viewer.whereabouts import Whereabouts
 

@@ -7,8 +7,8 @@ from typing import Final
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_core.sensors import UltrasonicModel
-from giraff_viewer.trail import Point
 
+Point = tuple[float, float]
 Strip = list[Point]
 
 NORMAL_95: Final = 1.96
@@ -19,6 +19,34 @@ _NUMBERED: Final = 8
 """m across, over which each line may have its number."""
 _RAYS: Final = 8
 _RINGS: Final = 4
+_STEP: Final = 0.02  # m between two points of a trail at first
+_MOST: Final = 1000  # points of a trail; then every other one is dropped, and the step is doubled
+
+
+class Trail:
+    """The way a robot has gone, in `odom`. The number of its points is bounded, however long the robot drives."""
+
+    def __init__(self) -> None:
+        self.points: list[Point] = []
+        self.unseen: list[bool] = []
+        """For each point, whether no camera has seen the step to it."""
+        self._step = _STEP
+        self._segment: object = None
+
+    def go_on(self, x: float, y: float, segment: object, *, unseen: bool = False) -> bool:
+        """Whether the trail has changed. `segment`: `Odometry.segment`; where it is another, no robot has gone that
+        way, and a new trail begins."""
+        if self._segment != segment:
+            self.points, self.unseen, self._step, self._segment = [(x, y)], [unseen], _STEP, segment
+            return True
+        if math.dist(self.points[-1], (x, y)) < self._step:
+            return False
+        self.points.append((x, y))
+        self.unseen.append(unseen)
+        if len(self.points) > _MOST:
+            self.points, self.unseen = self.points[::2], self.unseen[::2]
+            self._step *= 2.0
+        return True
 
 
 def outline(radius: float, track_width: float) -> list[Strip]:

@@ -13,10 +13,10 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.camera import Pixel, VisualOdometry
 from giraff_schemas.messages import Odometry
 from giraff_viewer.colours import AMBER, BLIND, GREEN, GREY, RED, VISUAL
-from giraff_viewer.glyphs import drawable
+from giraff_viewer.event_text import drawable
 from giraff_viewer.pictures import OLD, picture_path
 from giraff_viewer.rows import FLOOR, Row, planar
-from giraff_viewer.trail import Point, Trail
+from giraff_viewer.shapes import Point, Trail
 
 PATH: Final = f"{FLOOR}/visual"
 _FRAME: Final = "visual_path"

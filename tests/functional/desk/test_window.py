@@ -9,7 +9,7 @@ from giraff_schemas.messages import EStop
 from giraff_schemas.topics import ESTOP
 from giraff_schemas.trouble import Trouble
 from giraff_tools.network.ports import free_port
-from giraff_viewer.glyphs import ALPHABET
+from giraff_viewer.event_text import ALPHABET
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show
 from giraff_viewer.window import Window

@@ -22,15 +22,13 @@ from giraff_schemas.messages import GuardState, Range, SensorState, Tick, TruePo
 from giraff_schemas.trouble import Trouble
 from giraff_viewer.colours import CONES
 from giraff_viewer.cones import Cone
-from giraff_viewer.event_text import EventText
-from giraff_viewer.glyphs import drawable
+from giraff_viewer.event_text import EventText, drawable
 from giraff_viewer.memory import require_memory
 from giraff_viewer.plots import Values
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
-from giraff_viewer.shapes import Strip, ellipse, headings, outline
+from giraff_viewer.shapes import Strip, Trail, ellipse, headings, outline
 from giraff_viewer.show import Show
-from giraff_viewer.trail import Trail
 from tests.unit.cli.samples import MS, at, attitude, base, estop, guard, odometry, reading, verdict, wheels
 
 SECOND = 1_000_000_000
