@@ -12,7 +12,7 @@ import zenoh
 from giraff_client.errors import RobotError
 from giraff_core.freshness import age_here
 from giraff_core.network import NetworkConfig
-from giraff_node.picture_choice import PictureChoice
+from giraff_core.picture.asker import PictureChoice
 from giraff_node.picture_client import PictureClient
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import RobotTime, Tick

@@ -11,9 +11,9 @@ import zenoh
 
 from giraff_client import errors
 from giraff_client.reading import require_finite
-from giraff_core.kinematics import frame_errors as found
+from giraff_core.kinematics import pose_history as found
 from giraff_core.kinematics.frames import FrameTree
-from giraff_core.kinematics.segment import Segment
+from giraff_core.kinematics.pose_history import Segment
 from giraff_core.latest import is_fresh
 from giraff_node.network.replies import ask_all
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform

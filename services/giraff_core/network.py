@@ -10,7 +10,6 @@ from typing import Final, Literal
 import msgspec
 
 from giraff_core.access import AccessConfig
-from giraff_core.site import require_site
 from giraff_schemas.trouble import Trouble
 
 _PORT: Final = 7447  # Zenoh's own
@@ -24,8 +23,15 @@ a process of this host looks like one of another."""
 _FORM: Final = "give HOST or HOST:PORT, like 192.168.1.20:7447 or [fd00::2]:7447"
 _NAME: Final = re.compile(r"\w[\w-]{0,62}(?:\.\w[\w-]{0,62})*\.?")
 _ZONE: Final = re.compile(r"[\w.-]+")
+_LONGEST_SITE: Final = 32  # bytes that Zenoh has for the name of a region
 _NO_INTERFACE: Final = re.compile(r"fe[89ab][0-9a-f]:([^%]*$|.*%25[a-z])", re.IGNORECASE)
 """An address of one link alone, fe80::/10, without an interface, or with one as a URL has it: %25eth0."""
+
+
+def require_site(name: str) -> None:
+    """Raise ValueError unless a place can be named so, whose hosts reach each other directly."""
+    if not name or not name.isprintable() or len(name.encode()) > _LONGEST_SITE:
+        raise ValueError(f"site {name!r}: give a name of 1 to {_LONGEST_SITE} letters, like home")
 
 
 class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple, TypeGuard
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.kinematics.segment import Segment
+from giraff_core.kinematics.pose_history import Segment
 from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.motion import GoTo, Step

@@ -8,7 +8,7 @@ from typing import Literal
 import msgspec
 
 from giraff_core.access import AccessConfig
-from giraff_core.site import require_site
+from giraff_core.network import require_site
 from giraff_schemas.topics import require_chunk
 
 

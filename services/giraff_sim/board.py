@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import cffi
 
-from giraff_core.encoder.pattern import Pattern
+from giraff_core.encoder_disk import Pattern
 from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import ResetCause
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_core.sensors import UltrasonicModel
 
 Point = tuple[float, float]

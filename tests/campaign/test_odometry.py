@@ -6,7 +6,7 @@ import statistics
 
 import pytest
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.kinematics.pose import ELLIPSE_95
 from tests.support.report import report
 from tests.unit.odometry.ellipses import PATHS, Path, held
 from tests.unit.setup.drawn import calibrated

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import msgspec
 
 from giraff_core.kinematics.calibration import Calibration
-from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.kinematics.pose import ELLIPSE_95, mahalanobis
 from giraff_sim.truth import draw_truth
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room

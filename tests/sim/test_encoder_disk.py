@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pytest
 
 from giraff_base.config import DriveConfig
-from giraff_core.encoder.disk import Disk, drawing
+from giraff_core.encoder_disk import Disk, drawing
 from giraff_core.robot import RobotConfig
 from giraff_schemas.framing import Decoder
 from giraff_schemas.wire import BoardKind, WheelsFrame

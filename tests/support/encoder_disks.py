@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from itertools import pairwise
 from math import exp
 
-from giraff_core.encoder.pattern import Edge, Pattern
+from giraff_core.encoder_disk import Edge, Pattern
 from giraff_setup.encoder.transitions import Transition
 
 PAIRS = 40

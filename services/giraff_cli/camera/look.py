@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from giraff_cli.camera.hearing import hear_cameras
+from giraff_core.picture.asker import PictureChoice
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.tcp_options import set_tcp_options
-from giraff_node.picture_choice import PictureChoice
 from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.text import printable
 from giraff_tools.network.command import print_error, run_with_robot

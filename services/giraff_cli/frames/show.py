@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from giraff_cli.frames.tree import Frames, dot, draw, faults_of, pose_text, tree_of
-from giraff_core.kinematics.frame_errors import FrameError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
+from giraff_core.kinematics.pose_history import FrameError, UnknownFrameError
 from giraff_node.network.replies import ask_all
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.frames import Transform

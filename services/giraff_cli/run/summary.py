@@ -8,7 +8,7 @@ from typing import Final
 import msgspec
 
 from giraff_cli.run.telemetry import AgeSummary, OdometryError, RunTelemetry
-from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.kinematics.pose import ELLIPSE_95, mahalanobis
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, CAMERA_STATE, ODOM, topic_of

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Final
 
-from giraff_core.kinematics.frame_errors import FrameError
 from giraff_core.kinematics.pose import Pose
-from giraff_core.kinematics.pose_history import PoseHistory
+from giraff_core.kinematics.pose_history import FrameError, PoseHistory
 from giraff_schemas.messages import Odometry, Range
 from giraff_schemas.requests import EchoMap
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-from giraff_core.kinematics.frame_errors import GapError, UnconnectedError, UnknownFrameError
-from giraff_core.kinematics.pose_history import PoseHistory
+from giraff_core.kinematics.pose_history import GapError, PoseHistory, UnconnectedError, UnknownFrameError
 from giraff_core.kinematics.rigid import HERE, Rigid, rigid
 from giraff_schemas.frames import BASE_FRAME, MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.messages import Odometry, RobotTime

@@ -1,4 +1,7 @@
-"""Where the robot was in `odom`, over the last seconds: what odometry said, and what lies between two of its words."""
+"""Where the robot was in `odom`, over the last seconds: what odometry said, and what lies between two of its words.
+
+And since when `odom` is where it is, and why a frame cannot be told in another.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,6 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_core.kinematics.dead_reckoning import wrapped
-from giraff_core.kinematics.frame_errors import FutureError, GapError, PastError
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.messages import Odometry, RobotTime
 
@@ -18,6 +20,30 @@ LONGEST_GAP: Final = 0.5
 """s between two samples over which nobody can tell how the robot went: the default of `[odometry] max_gap`."""
 _EPOCHS: Final = 16
 """Starts of base that are over, and known to be."""
+
+
+class FrameError(Exception):
+    """A frame cannot be told in another. The message names the cause and the way out."""
+
+
+class UnknownFrameError(FrameError):
+    """Nobody has told of such a frame."""
+
+
+class UnconnectedError(FrameError):
+    """Both frames are known, and nothing joins them."""
+
+
+class PastError(FrameError):
+    """The moment is before what is remembered, or of a clock that is over."""
+
+
+class FutureError(FrameError):
+    """Nothing of that moment, or of a later one, has been heard yet."""
+
+
+class GapError(FrameError):
+    """The robot did not come from the sample before that moment to the one after it, or nobody can tell how."""
 
 
 class _Moment(NamedTuple):
@@ -109,3 +135,30 @@ class PoseHistory:
                 f"the last {REMEMBERED:g} s are, from the first sample that was heard; take a newer tick"
             )
         return bisect_left(self._moments, moment.robot_ns, key=lambda heard: heard.robot_ns)
+
+
+class Segment:
+    """Since when the frame `odom` is where it is: what was found of it before says nothing of it now.
+
+    It begins anew where odometry, base's board or the pose does.
+    """
+
+    def __init__(self) -> None:
+        self._segment: tuple[str, int, int] | None = None
+        self._since: RobotTime | None = None
+        self._newest: RobotTime | None = None
+
+    def on_odometry(self, odometry: Odometry) -> None:
+        """Take a sample, as it arrives."""
+        segment = (*odometry.segment, odometry.boot_id)
+        if segment != self._segment:
+            self._segment, self._since = segment, odometry.tick
+        self._newest = odometry.tick
+
+    def holds(self, tick: RobotTime | None) -> bool:
+        """Whether what has this tick is of `odom` as it is now, and of this start of base."""
+        since, newest = self._since, self._newest
+        if tick is None or since is None or newest is None or tick.epoch != newest.epoch:
+            return False
+        # Odometry comes oftener than ticks: the tick of its first sample may be of the last of another segment, too.
+        return tick.epoch != since.epoch or tick.robot_ns > since.robot_ns

@@ -8,7 +8,7 @@ from typing import Final
 import msgspec
 import typer
 
-from giraff_core.encoder.disk import Disk, drawing
+from giraff_core.encoder_disk import Disk, drawing
 from giraff_tools.terminal.output import write_fresh
 from giraff_tools.terminal.page import print_json
 

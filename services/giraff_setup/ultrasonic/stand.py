@@ -8,9 +8,8 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from typing import Any, Final
 
-from giraff_core.kinematics.frame_errors import FutureError, GapError, PastError
 from giraff_core.kinematics.pose import Pose
-from giraff_core.kinematics.pose_history import PoseHistory
+from giraff_core.kinematics.pose_history import FutureError, GapError, PastError, PoseHistory
 from giraff_core.motion.result import MotionResult
 from giraff_node.motion_client import TURN, MotionClient, Wish
 from giraff_schemas.messages import Lease, Odometry, Range, Sample

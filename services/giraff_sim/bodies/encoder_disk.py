@@ -5,8 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
-from giraff_core.encoder.disk import LONGEST, read_pattern
-from giraff_core.encoder.pattern import Edge, Pattern
+from giraff_core.encoder_disk import LONGEST, Edge, Pattern, read_pattern
 
 
 def read_disk(path: str) -> Pattern:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, NamedTuple, Protocol
 
-from giraff_core.encoder.pattern import Pattern
+from giraff_core.encoder_disk import Pattern
 from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import Frame
 from giraff_sim.board import Board

@@ -8,7 +8,7 @@ from typing import Final
 
 from rich.text import Text
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_maps.floor_plan import FloorPlan, Wall
 from giraff_schemas.localization import MapPose
 from giraff_tools.terminal.dots import ACROSS, DOWN, Dots

@@ -14,8 +14,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95
-from giraff_core.kinematics.pose import Pose
+from giraff_core.kinematics.pose import ELLIPSE_95, Pose
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_mcap.writing import RecordingWriter

@@ -14,10 +14,10 @@ from giraff_cli.camera.look import choose_camera
 from giraff_cli.camera.window import CameraWindow, show
 from giraff_cli.record.pictures import RecordedPictures
 from giraff_cli.record.recorder import wanted_topics
+from giraff_core.picture.asker import PictureChoice
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_node.network.consent import NoRobotError
-from giraff_node.picture_choice import PictureChoice
 from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.codec import encode
 from giraff_schemas.messages import Tick

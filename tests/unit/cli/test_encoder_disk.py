@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from giraff_core.encoder.disk import read_pattern
+from giraff_core.encoder_disk import read_pattern
 from tests.unit.cli.typed import Giraff
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.kinematics.pose import ELLIPSE_95, mahalanobis
 
 
 def test_the_edge_is_that_of_chi_square() -> None:

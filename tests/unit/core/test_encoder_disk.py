@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_core.encoder.disk import LONGEST, Disk, drawing, read_pattern
-from giraff_core.encoder.pattern import Pattern
+from giraff_core.encoder_disk import LONGEST, Disk, Pattern, drawing, read_pattern
 from giraff_sim.bodies.encoder_disk import mirrored, read_disk
 
 SECTORS = [line for line in drawing(Disk()).splitlines(keepends=True) if line.endswith('Z" fill="#000"/>\n')]

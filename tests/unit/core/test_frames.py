@@ -10,11 +10,18 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from giraff_core.kinematics.frame_errors import FutureError, GapError, PastError, UnconnectedError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
-from giraff_core.kinematics.pose_history import LONGEST_GAP, REMEMBERED
+from giraff_core.kinematics.pose_history import (
+    LONGEST_GAP,
+    REMEMBERED,
+    FutureError,
+    GapError,
+    PastError,
+    Segment,
+    UnconnectedError,
+    UnknownFrameError,
+)
 from giraff_core.kinematics.rigid import rigid
-from giraff_core.kinematics.segment import Segment
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Odometry, RobotTime
 from tests.unit.cli import samples

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.kinematics.pose import ELLIPSE_95, mahalanobis
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import msgspec
 
 from giraff_core.kinematics.calibration import Calibration, Scales
-from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.kinematics.pose import ELLIPSE_95, mahalanobis
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig

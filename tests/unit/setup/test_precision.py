@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_setup.wheels.odometry.plan import PLAN
 from giraff_sim.truth import TruthRanges
 from tests.unit.setup.drawn import calibrated

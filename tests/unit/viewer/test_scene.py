@@ -13,7 +13,7 @@ import pytest
 import rerun as rr
 from rerun.components import AggregationPolicy
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_core.operator import Operator, Wish
 from giraff_core.sensors import ULTRASONIC, UltrasonicModel
 from giraff_schemas import topics

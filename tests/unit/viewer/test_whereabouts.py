@@ -9,8 +9,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from giraff_core.kinematics.ellipse import ELLIPSE_95
-from giraff_core.kinematics.pose import Pose
+from giraff_core.kinematics.pose import ELLIPSE_95, Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import Candidate, LocalizationState, MapPose, MapWalls, Particles
 from giraff_viewer.colours import PLACES

@@ -7,7 +7,7 @@ from collections import deque
 from typing import Any, Final
 
 from giraff_base.drives.balancer.config import BalancerConfig
-from giraff_core.encoder.pattern import Pattern
+from giraff_core.encoder_disk import Pattern
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wires.balancer import BalanceFrame
 from giraff_sim.board import Board

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_core.encoder.pattern import Pattern
+from giraff_core.encoder_disk import Pattern
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board

@@ -17,7 +17,6 @@ from xml.etree import ElementTree as ET
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
-from giraff_core.encoder.pattern import Edge, Pattern
 
 LONGEST: Final = 2_000_000
 """Characters of a drawing that is read. A disk of 40 pairs has 14 000."""
@@ -37,6 +36,26 @@ _SECTOR: Final = re.compile(rf"M{_NUMBER} {_NUMBER}{_ARC}L{_NUMBER} {_NUMBER}{_A
 _OFF: Final = 0.01  # mm by which the corners of a sector may be off
 _DIGITS: Final = 6  # of an angle as a share of a turn: finer than any printer draws
 _REMEDY: Final = "draw a new one with giraff encoder disk"
+
+
+class Edge(NamedTuple):
+    """A change of one channel or both."""
+
+    at: float
+    """Share of a turn, 0 up to but not including 1, in the forward direction."""
+    a: bool
+    """Level of channel A just after the edge, while the disk turns forward."""
+    b: bool
+    """Level of channel B just after the edge, while the disk turns forward."""
+
+
+class Pattern(NamedTuple):
+    """All edges of one turn."""
+
+    states_per_turn: int
+    """States by which the position grows in a turn: four for each black and white pair of the ideal disk."""
+    edges: tuple[Edge, ...]
+    """In the order of their positions."""
 
 
 class Disk(msgspec.Struct, frozen=True, kw_only=True):
