@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
-from giraff_base.ages import Ages, ages_of
 from giraff_base.arming import Arming
 from giraff_base.battery import BatteryWatch
 from giraff_base.binding import GuardBinding
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Drive
 from giraff_base.estop import EStopControl
-from giraff_core.freshness import age
+from giraff_core.freshness import age, derate
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime, Side
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+
+_LATE_GUARD: Final = Trouble("the guard's commands come late", "relieve this machine")
+_LATE_OPERATOR: Final = Trouble("the operator's commands come late", "check its link")
 
 _NO_GUARD: Final = Trouble("the guard is not heard", "start giraff_guard on this machine")
 _CLOCK_WENT_BACK: Final = Trouble("the robot's clock went back", "restart giraff_base")
@@ -22,6 +24,39 @@ _NO_COMMAND: Final = Trouble("no fresh command of an operator", "check its link"
 _OLD_RANGE: Final = Trouble("a range that this motion relies on is too old", "check giraff_ranger and its board")
 _OPERATORS_FAULT: Final = Trouble("the operator's side reports a fault")
 _NO_HOLDER: Final = Trouble("nobody holds the lease", action="ask")
+
+
+class Ages(NamedTuple):
+    """How old everything is that a command stands on, s; infinite where nothing is proven."""
+
+    operator: float
+    guard: float
+    ranged: float
+    """0 of a command that relies on no range."""
+
+    def left(self, config: BaseConfig) -> float:
+        """s until the first of them is too old; negative: it is."""
+        return min(
+            config.operator_budget - self.operator,
+            config.guard_budget - self.guard,
+            config.range_budget - self.ranged,
+        )
+
+    def share(self, config: BaseConfig) -> tuple[float, Trouble]:
+        """Share of the speed that is left, and whose lateness takes the rest. A range counts whole or not at all."""
+        by_operator, by_guard = derate(self.operator, config.operator_budget), derate(self.guard, config.guard_budget)
+        if by_guard < by_operator:
+            return by_guard, _LATE_GUARD
+        return by_operator, _LATE_OPERATOR
+
+
+def ages_of(command: GuardedCommand, now: RobotTime) -> Ages:
+    """Of the operator's, the guard's and the range's tick."""
+    return Ages(
+        operator=age(command.operator_tick, now),
+        guard=age(command.guard_tick, now),
+        ranged=age(command.range_tick, now) if command.range_tick is not None else 0.0,
+    )
 
 
 class Permission:
