@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from giraff_node.network.router_link import RouterLink
+from giraff_node.network.base_reach import RouterLink
 
 
 class Router:
