@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_camera.device.opencv import cv2
+from giraff_camera.device.image import cv2
 
 _LOWEST: Final = 10
 """Quality below which a picture of half the size shows more."""

@@ -10,8 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_camera.device.image import DeviceError, Image
-from giraff_camera.device.opencv import cv2
+from giraff_camera.device.image import DeviceError, Image, cv2
 from giraff_core.picture.header import Header, HeaderError, read_jpeg
 from giraff_node.process.c_stderr import muted_c_stderr
 from giraff_schemas.trouble import Trouble

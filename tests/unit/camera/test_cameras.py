@@ -17,8 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 from giraff_camera.device import opening, v4l2
-from giraff_camera.device.image import DeviceError
-from giraff_camera.device.opencv import cv2
+from giraff_camera.device.image import DeviceError, cv2
 from giraff_camera.device.opening import open_camera
 from giraff_camera.device.simulated import SimulatedCamera
 from giraff_camera.device.v4l2 import V4l2Camera

@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from giraff_camera.device.image import DeviceError
-from giraff_camera.device.opencv import cv2
+from giraff_camera.device.image import DeviceError, cv2
 from giraff_camera.device.v4l2 import V4l2Camera
 from giraff_core.picture.header import HeaderError, read_jpeg
 from giraff_core.sensors import Camera

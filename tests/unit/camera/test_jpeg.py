@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from giraff_camera.device.opencv import cv2
+from giraff_camera.device.image import cv2
 from giraff_camera.jpeg import JpegEncoder, half
 
 LIMITS = (1000, 4000, 8000, 40_000, 60_000)
