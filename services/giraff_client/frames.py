@@ -1,4 +1,4 @@
-"""Where a frame of the robot is in another, for a script."""
+"""Where a frame of the robot is in another, for a script, and the jump of `odom` that it may ask for."""
 
 from __future__ import annotations
 
@@ -10,16 +10,19 @@ from typing import Final
 import zenoh
 
 from giraff_client import errors
+from giraff_client.errors import RobotError, SilentError
 from giraff_client.reading import require_finite
 from giraff_core.kinematics import pose_history as found
 from giraff_core.kinematics.frames import FrameTree
 from giraff_core.kinematics.pose_history import Segment
 from giraff_core.latest import is_fresh
+from giraff_node.network.query_client import QueryClient
 from giraff_node.network.replies import ask_all
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Odometry, RobotTime
-from giraff_schemas.topics import POSE, frame_key
+from giraff_schemas.requests import OdomAnswer
+from giraff_schemas.topics import POSE, Query, RequestT, frame_key
 
 _ASK_EVERY: Final = 0.3  # s, while a frame is missing
 _ANSWERED: Final = 0.5  # s in which whoever has frames tells of them
@@ -178,3 +181,34 @@ def _require(target: object, source: object, at: object) -> None:
         raise ValueError(f"frames are called by name: {target!r} and {source!r} must be texts")
     if not (at is None or isinstance(at, RobotTime)):
         raise ValueError(f"at is {at!r}: it must be a tick of the robot, such as robot.odom().tick, or None for now")
+
+
+def jump(
+    session: zenoh.Session,
+    robot: str,
+    query: Query[RequestT, OdomAnswer],
+    request: RequestT,
+    patience: float,
+    newest: Callable[[], tuple[Odometry | None, float]],
+) -> None:
+    """Ask odometry for it until it is done, and wait until the newest odometry that is heard is from after it.
+
+    `newest`: what is heard of odometry, and when it was, s of the monotonic clock. Raises SilentError, RobotError.
+    """
+    asked = time.monotonic()
+    asking = QueryClient(session, robot, query, request)
+    answer = asking.wait(asked + patience)
+    if answer is None:
+        raise SilentError(
+            f"{asking.fault or f'nobody answers {query.key}'}; check that giraff_odometry runs; "
+            "on a secured network [network.access] says who may ask"
+        )
+    if not answer.done:
+        raise RobotError(f"odometry refuses: {answer.reason}")
+    until = time.monotonic() + patience
+    while time.monotonic() < until:
+        sample, heard = newest()
+        if sample is not None and heard > asked and sample.jumps >= answer.jumps:
+            return
+        time.sleep(_LOOK)
+    raise SilentError("odometry has done it, and odom is not heard since; check that giraff_base runs")

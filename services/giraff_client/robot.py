@@ -16,12 +16,10 @@ import zenoh
 
 from giraff_client.camera import CameraFinder, CameraReader
 from giraff_client.errors import NoRobotError, RobotError, SilentError
-from giraff_client.frames import FrameFinder, FrameReader
-from giraff_client.jump import jump
+from giraff_client.frames import FrameFinder, FrameReader, jump
 from giraff_client.motion import Motions
 from giraff_client.policy import OperatorPolicy
-from giraff_client.reading import blockage, has_heard_each_sensor, ranges_of, require_finite
-from giraff_client.states import States
+from giraff_client.reading import States, blockage, has_heard_each_sensor, ranges_of, require_finite
 from giraff_core.latest import is_fresh
 from giraff_core.motion.result import MotionResult
 from giraff_core.timer import Timer

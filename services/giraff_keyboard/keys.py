@@ -6,6 +6,7 @@ process slept and a bouncing key look like presses. They are told by their compa
 
 from __future__ import annotations
 
+import math
 from enum import Enum, auto
 from typing import Final
 
@@ -16,6 +17,15 @@ ALONE: Final = 0.015
 ASLEEP: Final = 0.2
 """s between two looks at the terminal, after which nobody knows when what it holds was typed; nor at the first look."""
 
+
+HELD: Final = 2.0
+"""s for which STOP is held to ask for off."""
+_REPEATS: Final = 0.12
+"""s between two repeats at most: terminals repeat at 10 to 50 Hz, a finger presses up to 8 times a second."""
+_DELAY: Final = 1.0
+"""s from the press to the first repeat at most."""
+_SURELY: Final = 1.0
+"""s for which repeats must have come without a gap. A person who hammers the key holds nothing."""
 
 _PLAIN: Final = {
     **dict(zip(b"wsad", (Key.FORWARD, Key.BACKWARD, Key.LEFT, Key.RIGHT), strict=True)),
@@ -116,3 +126,19 @@ class KeyReader:
         if self._parameters or self._pasting:
             return Key.NOTHING  # Ctrl, Alt or Shift and an arrow, or a key that means nothing here
         return _ARROWS.get(byte, Key.NOTHING)
+
+
+class StopHold:
+    """Whether the space bar is held: a held key repeats. Times are monotonic, s."""
+
+    def __init__(self) -> None:
+        self._last = self._begun = self._repeats_since = -math.inf
+
+    def on_stop(self, now: float) -> bool:
+        """Take a press or a repeat. Return whether the key has been held long enough."""
+        gap = now - self._last
+        if gap > _REPEATS:
+            self._begun = self._last if gap <= _DELAY else now
+            self._repeats_since = now
+        self._last = now
+        return now - self._begun >= HELD and now - self._repeats_since >= _SURELY

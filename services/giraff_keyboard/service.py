@@ -12,10 +12,9 @@ from giraff_core.operator import OperatorService
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.keys import KeyReader
+from giraff_keyboard.keys import KeyReader, StopHold
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_keyboard.reset_request import ResetRequest
-from giraff_keyboard.stop_hold import StopHold
 from giraff_schemas.messages import EStop, RobotTime, Sample
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (

@@ -176,7 +176,7 @@ def test_so_does_one_with_a_loop_of_its_own(service: Service) -> None:
 
 def test_a_script_hears_what_it_can_read_and_what_its_policy_takes() -> None:
     sources = ROOT / "services" / "giraff_client"
-    readers = "".join((sources / name).read_text() for name in ("robot.py", "states.py"))
+    readers = "".join((sources / name).read_text() for name in ("robot.py", "reading.py"))
     read = {getattr(topics, name) for name in re.findall(r"\b_fresh\(([A-Z_]+),", readers)}
     taken = set(re.findall(r"case (\w+)\(\):", (sources / "policy.py").read_text()))
     assert read

@@ -11,7 +11,6 @@ import pytest
 import zenoh
 
 import giraff_client.frames
-import giraff_client.jump
 import giraff_client.robot
 import giraff_node.network.query_client
 from giraff_client import BlockedError, LostRobotError, NoRobotError, Robot, RobotError, SilentError, UnlocalizedError
@@ -121,7 +120,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     monkeypatch.setattr(giraff_client.robot, "open_session", lambda *_, **__: made)
     monkeypatch.setattr(giraff_client.robot, "open_hand", lambda _network, _robot, door: door)
     monkeypatch.setattr(giraff_client.robot, "close_session", lambda _: None)
-    for module in (giraff_client.robot, giraff_client.frames, giraff_client.jump, giraff_node.network.query_client):
+    for module in (giraff_client.robot, giraff_client.frames, giraff_client.frames, giraff_node.network.query_client):
         monkeypatch.setattr(module, "time", made)
     return made
 

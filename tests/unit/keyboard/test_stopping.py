@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from giraff_core.estop.request import EStopRequest
-from giraff_keyboard.stop_hold import StopHold
+from giraff_keyboard.keys import StopHold
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
