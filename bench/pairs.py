@@ -25,7 +25,7 @@ from bench.stacks import payload_size
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import session_config
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.bodies.wheels.known import KNOWN
+from giraff_sim.bodies.wheels.body import KNOWN
 from giraff_tools.network.ports import free_port
 
 _SERVICE: Final = {"out": "odometry", "back": "motion"}

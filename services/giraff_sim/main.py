@@ -25,9 +25,8 @@ from giraff_sim.bodies.registry import read_drive, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer
-from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
-from giraff_sim.simulation import Simulation, simulation
+from giraff_sim.simulation import Simulation, WallPacer, simulation
 from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, read_script

@@ -6,7 +6,7 @@ from typing import Final
 
 import pytest
 
-from giraff_sim.dst.marks import unreached
+from giraff_sim.dst.many import unreached
 from giraff_sim.dst.scenarios import KINDS, draw
 from giraff_sim.dst.simulated_run import Outcome, play
 from tests.dst.stage import SETTINGS

@@ -10,7 +10,7 @@ from typing import Final
 
 from giraff_cli.run.processes import ProcessGroup
 from giraff_sim.board import ROOT
-from giraff_sim.bodies.wheels.known import KNOWN
+from giraff_sim.bodies.wheels.body import KNOWN
 from giraff_sim.control.client import SimulatorClient
 from giraff_sim.control.messages import BoardName
 from tests.hosts.machine import LabError, let_first

@@ -14,8 +14,7 @@ from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control import messages
 from giraff_sim.control.control import Control
-from giraff_sim.pacing import WallPacer
-from giraff_sim.simulation import Simulation
+from giraff_sim.simulation import Simulation, WallPacer
 from giraff_sim.world.body import Balance
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.world import World

@@ -13,8 +13,7 @@ from giraff_sim.control import messages
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer
-from giraff_sim.pacing import WallPacer
-from giraff_sim.simulation import Simulation
+from giraff_sim.simulation import Simulation, WallPacer
 from giraff_sim.truth import TruthRanges, draw_truth
 from giraff_sim.world.hand import Hand, StillHand
 from giraff_sim.world.sonar import SonarFault

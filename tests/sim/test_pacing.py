@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_sim.pacing import WallPacer
+from giraff_sim.simulation import WallPacer
 
 
 def test_on_time_it_waits_out_the_slice() -> None:

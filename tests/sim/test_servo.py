@@ -12,8 +12,7 @@ from giraff_schemas.wire import BoardKind
 from giraff_sim.board import BUILD, Board, RunState
 from giraff_sim.bodies.registry import world_of
 from giraff_sim.control.control import Control
-from giraff_sim.pacing import WallPacer
-from giraff_sim.simulation import Simulation
+from giraff_sim.simulation import Simulation, WallPacer
 from giraff_sim.world.hand import StillHand
 from tests.firmware.builds import compiled_for_avr
 from tests.sim.robots import EXACT, empty_room, world_in

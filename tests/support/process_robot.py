@@ -21,7 +21,7 @@ from giraff_node.process.state import write_latch
 from giraff_schemas import services as table
 from giraff_schemas.topics import ATTITUDE, BASE, GUARD, LEASE
 from giraff_sim.board import ROOT
-from giraff_sim.bodies.wheels.known import KNOWN
+from giraff_sim.bodies.wheels.body import KNOWN
 from giraff_sim.control.client import SimulatorClient
 from giraff_sim.truth import Level
 from giraff_tools.network.ports import free_port

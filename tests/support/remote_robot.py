@@ -14,7 +14,7 @@ from typing import Any, Final
 from giraff_core.estop.latch import RELEASED
 from giraff_node.process.state import write_latch
 from giraff_sim.board import ROOT
-from giraff_sim.bodies.wheels.known import KNOWN
+from giraff_sim.bodies.wheels.body import KNOWN
 from giraff_sim.control.client import SimulatorClient
 from tests.support.behind_router import BehindRouter
 from tests.support.elsewhere import clean

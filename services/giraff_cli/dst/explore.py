@@ -6,8 +6,7 @@ import time
 
 from rich.console import Console
 
-from giraff_sim.dst.many import Totals, run_many
-from giraff_sim.dst.marks import unreached
+from giraff_sim.dst.many import Totals, run_many, unreached
 from giraff_sim.dst.scenarios import KINDS
 from giraff_sim.dst.simulated_run import SECONDS, Outcome
 from giraff_tools.terminal.page import print_json

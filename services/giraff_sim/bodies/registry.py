@@ -12,15 +12,15 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load, path_of, read_tables
 from giraff_schemas.services import BASE
+from giraff_sim.bodies.balancer.body import KNOWN as BALANCER_KNOWN
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.bodies.balancer.judge import BalancerJudge
-from giraff_sim.bodies.balancer.known import KNOWN as BALANCER_KNOWN
 from giraff_sim.bodies.encoder_disk import mirrored, read_disk
+from giraff_sim.bodies.wheels.body import KNOWN as WHEELS_KNOWN
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
-from giraff_sim.bodies.wheels.known import KNOWN as WHEELS_KNOWN
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world.body import Body, BodyJudge

@@ -13,9 +13,8 @@ from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCaus
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
 from giraff_sim.control import messages
-from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
-from giraff_sim.simulation import Simulation
+from giraff_sim.simulation import Simulation, WallPacer
 from giraff_sim.world.body import BoardReport
 from giraff_sim.world.hand import Hand, ScriptError, StillHand
 from giraff_sim.world.room import Pose, RoomError

@@ -1,4 +1,4 @@
-"""Many seeds on all cores, and what they come to together."""
+"""Many seeds on all cores, what they come to together, and the rare paths that they ought to reach."""
 
 from __future__ import annotations
 
@@ -6,16 +6,59 @@ import gc
 import hashlib
 import multiprocessing
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from typing import Final
 
 import msgspec
 
 from giraff_sim.dst.scenarios import draw
-from giraff_sim.dst.simulated_run import SECONDS, Outcome, known_settings, play
+from giraff_sim.dst.simulated_run import SECONDS, Kind, Outcome, known_settings, play
+
+MARKS: Final = (
+    "stop: forward blocked",
+    "stop: backward blocked",
+    "stop: forward slowed",
+    "stop: slowed",
+    "stop: no fresh command",
+    "stop: the guard is not heard",
+    "stop: the guard's command is too old",
+    "stop: a range that this motion relies on is too old",
+    "stop: a second guard",
+    "stop: a second base",
+    "stop: a second ranger",
+    "stop: another ranger",
+    "stop: the base board is in state command_timeout",
+    "stop: emergency stop by the base board",
+    "stop: emergency stop by keyboard",
+    "stop: not armed since the left wheel was held",
+    "stop: emergency stop by battery",
+    "answer: stopped",
+    "answer: released",
+    "answer: the emergency stop was engaged anew meanwhile",
+    "answer: the disk hangs",
+    "answer: the robot is stopped, and a restart may not know",
+    "answer: latch N is not the one engaged",
+    "answer: the reset is not from within the last",
+    "an emergency stop was lost with its base",
+    "the same engages the emergency stop anew",
+    "the joystick's button is pressed while the robot drives",
+    "parameter: set",
+    "parameter: refused",
+    "parameter: saved",
+    "parameter: not saved",
+)
+"""Beginnings of what a run counts on rare paths, beside a fault of each kind.
+
+A suite that never got there has shown nothing about them."""
 
 _CHUNK: Final = 4  # seeds handed to a process at a time
+
+
+def unreached(counts: Mapping[str, int], kinds: tuple[Kind, ...]) -> list[str]:
+    """Of these marks and kinds of fault, those that nothing counted begins with."""
+    wanted = (*(f"fault: {kind.name}" for kind in kinds), *MARKS)
+    return [mark for mark in wanted if not any(what.startswith(mark) for what in counts)]
 
 
 class Failure(msgspec.Struct, frozen=True, kw_only=True):

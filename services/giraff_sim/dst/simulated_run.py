@@ -17,13 +17,12 @@ from giraff_sim.board import BUILD, ROOT, Implementation
 from giraff_sim.bodies.registry import with_known, world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.event_log import EventLog
 from giraff_sim.dst.judging.judge import Judge, Violation
 from giraff_sim.dst.judging.stops import Stop
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.dst.people import Button, EStopOperator
 from giraff_sim.hosts.cable import Cable
-from giraff_sim.hosts.event_queue import EventQueue
+from giraff_sim.hosts.event_queue import EventLog, EventQueue
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import Simulation, simulation

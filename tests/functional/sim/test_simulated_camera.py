@@ -21,8 +21,7 @@ from giraff_sim.camera.scene import Scene
 from giraff_sim.control.client import SimulatorClient
 from giraff_sim.control.control import Control
 from giraff_sim.control.messages import Reply, State, Surfaces
-from giraff_sim.pacing import WallPacer
-from giraff_sim.simulation import Simulation
+from giraff_sim.simulation import Simulation, WallPacer
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from tests.sim.robots import room_with_wall, world_in

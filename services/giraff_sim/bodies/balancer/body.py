@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_core.encoder_disk import Pattern
-from giraff_core.robot import RobotConfig
+from giraff_core.robot import WIRING, RobotConfig
 from giraff_schemas.wires.balancer import BalanceFrame
 from giraff_sim.board import Board
 from giraff_sim.bodies.balancer.drawn import Drawn
@@ -17,6 +17,9 @@ from giraff_sim.bodies.balancer.plant import STEP, Plant
 from giraff_sim.bodies.balancer.sensors import VOLTS_PER_COUNT, Sensors
 from giraff_sim.world.body import Balance, BoardReport
 from giraff_sim.world.room import Room
+
+KNOWN: Final = {f"GIRAFF_BASE_DRIVE__{name.upper()}": "false" for name in WIRING}
+"""Variables for the services: values that are found out on a real robot before it may drive, and known of this one."""
 
 _FULL_DUTY: Final = 255.0
 _LOOK_MS: Final = 20

@@ -6,7 +6,7 @@ from typing import Final
 
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.encoder_disk import Pattern
-from giraff_core.robot import RobotConfig
+from giraff_core.robot import WIRING, RobotConfig
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board
 from giraff_sim.bodies.wheels.motor_wiring import RIGHT, MotorWiring
@@ -15,6 +15,15 @@ from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
 from giraff_sim.world.body import BoardReport
 from giraff_sim.world.room import Room
+
+KNOWN: Final = {
+    **{f"GIRAFF_BASE_DRIVE__{name.upper()}": "false" for name in WIRING},
+    "GIRAFF_BASE_DRIVE__WHEEL_CONTROL": "speed",
+    "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03",
+    "GIRAFF_GUARD_DECELERATION": "1.5",
+}
+"""Variables for the services: values that are measured on a real robot before it may drive, and known of this one.
+Its plant brakes at about 2.9 m/s²."""
 
 _ADC_FULL_SCALE: Final = 1023
 _ADC_VOLTS: Final = 5.0

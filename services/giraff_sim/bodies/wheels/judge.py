@@ -8,8 +8,7 @@ from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import DriveFrame, Frame, SpeedFrame
 from giraff_sim.bodies.wheels.body import WheelsBody
-from giraff_sim.bodies.wheels.pins import Pins
-from giraff_sim.bodies.wheels.wheel_request import WheelRequest
+from giraff_sim.bodies.wheels.pins import Pins, WheelRequest
 from giraff_sim.world.body import BoundedMotion, Demand
 
 _CREEPING_COUNTS: Final = 4  # of both motors: less is what rounding leaves of a turn in place

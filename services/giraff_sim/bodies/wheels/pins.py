@@ -4,18 +4,39 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Self
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, PWM_OVER_PERCENT
+from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, PWM_OVER_PERCENT, DriveFrame, SpeedFrame
 from giraff_sim.bodies.wheels.body import WheelsBody
-from giraff_sim.bodies.wheels.wheel_request import WheelRequest
 
+_SPEED_OFF: Final = 2e-6  # m/s: a frame has whole micrometres a second
 _WINDOW_US: Final = 100_000  # over which a ramp is measured
 _STEPS_US: Final = 12_000  # of the simulation and of the board's reports, at both ends of it
 _ROUNDING: Final = 2.5  # PWM counts: of two levels, and of the drive's mean over a step
 _OVERSHOOT: Final = 0.06  # m/s: a tenth of the largest speed
+
+
+class WheelRequest(NamedTuple):
+    """What base asks of the wheels, m/s."""
+
+    left: float
+    right: float
+    off: float
+    """By rounding."""
+
+    @classmethod
+    def by(cls, frame: DriveFrame | SpeedFrame, robot: RobotConfig, drive: WheelsConfig) -> Self:
+        """What a frame stands for."""
+        if isinstance(frame, SpeedFrame):
+            return cls(frame.left_um_s * 1e-6, frame.right_um_s * 1e-6, _SPEED_OFF)
+        speed_per_level = robot.max_wheel_speed / drive.max_level
+        return cls(frame.left_level * speed_per_level, frame.right_level * speed_per_level, speed_per_level)
+
+    def __str__(self) -> str:
+        return f"{self.left:+.3f}, {self.right:+.3f} m/s"
 
 
 class Pins:

@@ -21,7 +21,6 @@ from giraff_schemas.params import ParamAnswer, ParamSave
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, Frame
 from giraff_sim.bodies.registry import judge_of
-from giraff_sim.dst.event_log import EventLog, kind_of
 from giraff_sim.dst.judging.clearance import ClearanceCheck
 from giraff_sim.dst.judging.explain import Explainer
 from giraff_sim.dst.judging.latch import LatchWatch
@@ -29,10 +28,9 @@ from giraff_sim.dst.judging.ledger import BASE, Ledger, Passed
 from giraff_sim.dst.judging.obstacles import Obstacles
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import ROBOT_US, Stops
-from giraff_sim.dst.judging.true_input import TrueInput
-from giraff_sim.dst.judging.wrong_direction import WrongDirection
+from giraff_sim.dst.judging.true_input import TrueInput, WrongDirection
 from giraff_sim.hosts.disk import Disk
-from giraff_sim.hosts.event_queue import EventQueue
+from giraff_sim.hosts.event_queue import EventLog, EventQueue, kind_of
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
 from giraff_sim.simulation import Simulation
