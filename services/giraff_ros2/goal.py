@@ -14,7 +14,7 @@ from giraff_core.motion.requester import MotionRequester
 from giraff_core.operator import RobotLink
 from giraff_core.retry import RetriedRequest
 from giraff_ros2.answers import Answers
-from giraff_ros2.hand.clock import OLD, PublisherClock
+from giraff_ros2.hand.publisher import OLD, PublisherClock
 from giraff_ros2.port import OTHER_LIBRARY, USE_RMW_ZENOH, Received
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME
 from giraff_schemas.localization import MapPose

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Final
 
 from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Bool as Bool
 
+from giraff_core.estop.request import EStopRequest, Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.operator import OperatorService
@@ -13,17 +15,19 @@ from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_ros2.cameras import OpenSource
 from giraff_ros2.config import Ros2Config
-from giraff_ros2.estop import StopCalls
 from giraff_ros2.goal import Goals
 from giraff_ros2.hand.twist_hand import TwistHand
-from giraff_ros2.port import Received, Refused, RosPort
+from giraff_ros2.port import Call, Received, Refused, RosPort
 from giraff_ros2.robot_in_ros import RobotInRos
 from giraff_ros2.topics import ESTOP_ENGAGED, GOAL_POSE
+from giraff_schemas.actions import ROS
 from giraff_schemas.messages import EStop, Lease, Sample, Tick
+from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.topics import (
     BASE,
     BATTERY,
     ESTOP,
+    ESTOP_ENGAGE,
     GUARD,
     MAP,
     MOTION,
@@ -34,10 +38,64 @@ from giraff_schemas.topics import (
     TILT,
     Topic,
 )
-from giraff_schemas.trouble import NO_TROUBLE
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _KEPT: Final = 20
 """Samples of a topic between two turns of which none is left out."""
+_ANSWERS_WITHIN: Final = 3.0
+"""s after which a call of `~/estop` is answered that base has not confirmed. The stop goes on being asked for."""
+_MOST: Final = 16  # calls that wait
+
+
+class StopCalls:
+    """Calls of `~/estop`: all that wait are one stop. Times are monotonic, s.
+
+    There is no release from ROS: who releases a stop must see the robot.
+    """
+
+    def __init__(self, io: IO, by: str) -> None:
+        """`by`: who asks, for people."""
+
+        def engage(settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
+            return io.ask(ESTOP_ENGAGE, EStopEngage(by=by, reason=Trouble("service estop of ROS"), off=off), settles)
+
+        self._request = EStopRequest(engage, is_open=io.is_open)
+        self._calls: list[tuple[Call, float]] = []
+        self._told: bool | None = None
+        self._newest: EStop | None = None
+
+    @property
+    def asked(self) -> bool:
+        """Tell whether a stop was asked for that base has not confirmed."""
+        return self._request.asked
+
+    def on_call(self, call: Call, now: float) -> None:
+        """Somebody wants a stop. One that stands is asked for once more: its release may be on its way."""
+        self._request.engage()
+        if len(self._calls) < _MOST:
+            self._calls.append((call, now))
+        else:
+            call.answer(False, f"{_MOST} calls wait for base's word already")
+
+    def on_estop(self, sample: EStop) -> None:
+        """Take what base says of its stop."""
+        self._newest = sample
+        self._request.on_sample(sample)
+
+    def poll(self, now: float) -> None:
+        """Go on asking, and answer calls."""
+        confirmed = self._request.poll(now)
+        for call, at in self._calls:
+            if confirmed or now - at >= _ANSWERS_WITHIN:
+                call.answer(confirmed, self._request.outcome.line(ROS))
+        self._calls = [(call, at) for call, at in self._calls if not confirmed and now - at < _ANSWERS_WITHIN]
+
+    def news(self) -> bool | None:
+        """Return whether the stop is engaged where that has changed since the last call; None: it has not."""
+        if self._newest is None or self._newest.engaged == self._told:
+            return None
+        self._told = self._newest.engaged
+        return self._told
 
 
 class Ros2(OperatorService):

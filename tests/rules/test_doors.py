@@ -15,7 +15,7 @@ from giraff_guard.config import GuardConfig
 from giraff_keyboard.policy import KEY_LASTS
 from giraff_motion import localized, policy
 from giraff_ros2 import goal
-from giraff_ros2.hand.clock import OLD
+from giraff_ros2.hand.publisher import OLD
 from giraff_ros2.topics import ESTOP, SUBSCRIBED
 from giraff_schemas.services import BASE, GUARD, MOTION, ROS2, SERVICES
 from giraff_schemas.topics import OPERATOR_CMD_VEL

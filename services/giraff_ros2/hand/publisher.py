@@ -1,15 +1,16 @@
-"""One publisher of `/cmd_vel`: its messages, and whether it is awake."""
+"""One publisher of `/cmd_vel`: its messages, how old they are, and whether it is awake."""
 
 from __future__ import annotations
 
 import math
 from typing import Final
 
-from giraff_ros2.hand.clock import OLD, PublisherClock
 from giraff_ros2.port import Received
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
+OLD: Final = 0.2
+"""s. A message that comes later than the quickest of the last minute by more than this is old."""
 LASTS: Final = 0.4
 """s that one message asks for, as one press of a key does."""
 ANSWERS: Final = 0.6
@@ -19,12 +20,38 @@ CALM: Final = 1.0
 _STREAM: Final = 5  # messages
 _STREAM_PERIOD: Final = 1.0  # s between two of them at most: some drive by few messages a second
 _FIRST_ANSWER: Final = 1.0  # s until a process counts as one that cannot answer
+_BUCKET: Final = 10.0  # s of a publisher's messages, of which the smallest offset is kept
+_BUCKETS: Final = 6
 
 _OLD: Final = Trouble(
     f"a message of {{node}} is more than {OLD:g} s older than those before it, or the clock of its host was set back",
     "check the network between ROS and this host; after a clock was set, wait a minute",
 )
 _NO_NUMBER: Final = Trouble("a message of {node} has a speed that is not a number", "check what {node} publishes")
+
+
+class PublisherClock:
+    """Tells old messages of a publisher from new ones, though nobody knows how its clock and this host's differ.
+
+    It measures the offset between both clocks with the delay of the way.
+    A process that wakes pours out what it has held. The offset of such a message is worse than those before it. Nobody
+    knows how old the first message is; the first quick one shows it.
+    """
+
+    def __init__(self) -> None:
+        self._best: dict[int, float] = {}  # s, the smallest offset by number of the bucket
+
+    def lateness(self, sent_ns: int, at: float) -> float:
+        """Take a message, and return how much later it is than the quickest one lately, s.
+
+        `sent_ns`: ns of any clock of the sender. `at`: s, monotonic, when it came.
+        """
+        offset, bucket = at - sent_ns * 1e-9, int(at // _BUCKET)
+        self._best[bucket] = min(offset, self._best.get(bucket, offset))
+        quickest = min(self._best.values())
+        # Looked at before what is too long ago goes: after a long silence the first message still has one to compare.
+        self._best = {number: best for number, best in self._best.items() if number > bucket - _BUCKETS}
+        return offset - quickest
 
 
 class Publisher:

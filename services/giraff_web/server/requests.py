@@ -6,7 +6,10 @@ import asyncio
 import contextlib
 import math
 from collections.abc import Awaitable, Callable, Collection
-from typing import Final, Protocol
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import PurePosixPath
+from typing import Final, NamedTuple, Protocol
 
 import msgspec
 from aiohttp import ClientError, web
@@ -17,7 +20,6 @@ from giraff_schemas.text import plain
 from giraff_web.devices import device_name
 from giraff_web.messages import LARGEST
 from giraff_web.server.connection_limiter import Guarded
-from giraff_web.server.files import File, page_files
 from giraff_web.sessions import SESSION_LIFE, Granted, Sessions
 
 COOKIE: Final = "__Host-giraff"
@@ -36,12 +38,52 @@ _CONTENT: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; manifest-src 'self'; "
     "connect-src 'self' wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
+_TYPES: Final = {
+    ".html": "text/html",
+    ".css": "text/css",
+    ".js": "text/javascript",
+    ".mjs": "text/javascript",
+    ".json": "application/json",
+    ".webmanifest": "application/manifest+json",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".ico": "image/x-icon",
+}
+"""The page's files that are served."""
 _STOP: Final = "POST", "/stop"
 _NOT_CALLED_SO: Final = "this service is not called so; open the address that the page service shows"
 _TOLD_OF_STOP: Final = ("engaged", "off", "id", "by", "reason", "engaged_ns", "instance")
 """Fields of base's word that confirm a stop."""
 
 Answer = web.StreamResponse
+
+
+class File(NamedTuple):
+    """A file of the page, as it is served."""
+
+    data: bytes
+    content_type: str
+
+
+def page_files() -> dict[str, File]:
+    """Return the page's files by path below `page`, read once at the start: no request reaches a disk.
+
+    Those of other types are not served.
+    """
+    return dict(_found(files("giraff_web") / "page", ""))
+
+
+def _found(folder: Traversable, below: str) -> list[tuple[str, File]]:
+    if not folder.is_dir():
+        return []
+    found = []
+    for entry in folder.iterdir():
+        name = below + entry.name
+        if entry.is_dir():
+            found += _found(entry, f"{name}/")
+        elif content_type := _TYPES.get(PurePosixPath(name).suffix):
+            found.append((name, File(entry.read_bytes(), content_type)))
+    return found
 
 
 class _Shows(msgspec.Struct, frozen=True):

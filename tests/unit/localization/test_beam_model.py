@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from giraff_localization.beam_model import beam_model
+from giraff_localization.floor import beam_model
 from giraff_localization.range_table import BIN, CLEAR, SLANTED, SOLID
 
 REACH = 4.0

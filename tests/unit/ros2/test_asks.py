@@ -17,9 +17,9 @@ from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Quaternion as
 from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Header as Header
 
 from giraff_ros2.answers import Answers
-from giraff_ros2.estop import StopCalls
 from giraff_ros2.goal import Goals
 from giraff_ros2.port import Received
+from giraff_ros2.service import StopCalls
 from giraff_ros2.topics import GOAL_POSE
 from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import EStop, Odometry, RobotTime, Sample, Tick

@@ -14,7 +14,7 @@ from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Vector3 as Ve
 from giraff_core.operator import Fault, Wish
 from giraff_ros2.answers import Answers
 from giraff_ros2.config import Ros2Config
-from giraff_ros2.hand.clock import PublisherClock
+from giraff_ros2.hand.publisher import PublisherClock
 from giraff_ros2.hand.twist_hand import TwistHand
 from giraff_ros2.port import Received, Refused, RosPublisher
 from giraff_ros2.topics import CMD_VEL
