@@ -1,4 +1,4 @@
-"""Counters and time of the boards wrap at 32 bits, and start anew with the board."""
+"""Counters and time of the boards wrap at 32 bits, and start anew with the board. By them rest is told, too."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import Final
 from giraff_schemas.messages import Wheels
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
+RESTS: Final = 0.2
+"""s without motion that count as rest. A wheel that creeps by a count each 0.2 s or faster never rests."""
 SLACK_TICKS: Final = 4
 """Added to what a wheel may travel between two samples: counts come whole, and the board's time is not exact."""
 
@@ -40,3 +42,37 @@ def restart(last: Wheels, wheels: Wheels) -> Trouble:
     if wheels.tick.robot_ns - last.tick.robot_ns >= _HALF_WRAP * 1000:
         return _LONG_GAP
     return NO_TROUBLE
+
+
+class Standstill:
+    """For how long both wheels have stood, by the samples of one robot, one after another.
+
+    It is one rule of rest for odometry, motion, base and calibrate. A wheel that rests on the edge of a count goes to
+    and fro by one, and its board reports a speed. So a speed cannot tell rest. A wheel stands while its counter stays
+    on two neighbouring counts. Each further count of a wheel that creeps leaves them.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        """s by the board's clock for which neither wheel has moved."""
+        self._last: Wheels | None = None
+        self._above = 0, 0  # counts of each wheel above the lower of its two neighbours
+
+    @property
+    def is_rest(self) -> bool:
+        """Whether the robot rests."""
+        return self.seconds >= RESTS
+
+    def on_wheels(self, wheels: Wheels) -> None:
+        """Take the next sample. A new start of the board or of base begins anew."""
+        last = self._last
+        if last is None or restart(last, wheels):
+            self._last, self.seconds, self._above = wheels, 0.0, (0, 0)
+            return
+        if not (elapsed := elapsed_us(last, wheels) / 1e6):
+            return
+        self._last = wheels
+        left = self._above[0] + signed32(wheels.left_ticks - last.left_ticks)
+        right = self._above[1] + signed32(wheels.right_ticks - last.right_ticks)
+        self._above = min(max(left, 0), 1), min(max(right, 0), 1)
+        self.seconds = self.seconds + elapsed if self._above == (left, right) else 0.0

@@ -6,12 +6,12 @@ simulation runs the same turn on networks, cables and disks of its own, in simul
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
 import msgspec
 
-from giraff_core.inbox import Inbox
 from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
 from giraff_schemas.frames import Transform
@@ -23,9 +23,34 @@ if TYPE_CHECKING:  # most services have no board
     from giraff_schemas.boards import BoardType
     from giraff_schemas.wire import Frame
 
+MOST_REQUESTS: Final = 20
+"""Requests that wait for their answers; the oldest goes without."""
+
+ItemT = TypeVar("ItemT")
 SampleT_contra = TypeVar("SampleT_contra", bound=Sample, contravariant=True)
 RequestT_co = TypeVar("RequestT_co", bound=msgspec.Struct, covariant=True)
 AnswerT_contra = TypeVar("AnswerT_contra", bound=msgspec.Struct, contravariant=True)
+
+
+class Inbox(Generic[ItemT]):
+    """All that has come for a service since the last `pop_all`, oldest first.
+
+    A reader that falls behind loses the oldest.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self._samples: deque[ItemT] = deque(maxlen=limit)
+
+    def accept(self, sample: ItemT) -> None:
+        self._samples.append(sample)
+
+    def __len__(self) -> int:
+        """Return how many wait."""
+        return len(self._samples)
+
+    def pop_all(self) -> Iterator[ItemT]:
+        for _ in range(len(self._samples)):  # what comes meanwhile waits: a flood must not hold the loop
+            yield self._samples.popleft()
 
 
 class Selectable(Protocol):

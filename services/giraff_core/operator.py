@@ -11,8 +11,7 @@ from abc import ABC, abstractmethod
 from typing import Final, NamedTuple, Protocol
 
 from giraff_core.freshness import TickFilter
-from giraff_core.inbox import Inbox
-from giraff_core.io import Publisher, Selectable
+from giraff_core.io import Inbox, Publisher, Selectable
 from giraff_core.lease import LeaseClient, unranked_notice
 from giraff_core.timer import EarlyTimer, Timer
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Lease, RobotTime, Tick

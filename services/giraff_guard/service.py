@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from giraff_core.inbox import Inbox
-from giraff_core.io import IO
+from giraff_core.io import IO, Inbox
 from giraff_core.lease import unranked_notice
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig

@@ -10,9 +10,9 @@ from collections.abc import Callable
 from typing import Final
 
 from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.picture import DriveView
 from giraff_keyboard.service import Keyboard
 from giraff_keyboard.terminal import Terminal
-from giraff_keyboard.view import DriveView
 from giraff_node import Node
 from giraff_schemas.actions import KEYS
 

@@ -6,20 +6,23 @@ import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 from rich.console import Console, ConsoleOptions, Group, RenderableType
 from rich.text import Text
 
-from giraff_core.latest import FRESH
+from giraff_core.latest import FRESH, Latest
+from giraff_core.operator import what_stops
+from giraff_keyboard.policy import KeyboardPolicy
 from giraff_keyboard.reset_request import before_release, release_question
 from giraff_schemas.actions import KEYS
 from giraff_schemas.text import printable
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import RANGE_SENSORS
 from giraff_telemetry import panels as blocks
-from giraff_telemetry.collector import Snapshot
+from giraff_telemetry.collector import Snapshot, Telemetry
 from giraff_telemetry.describe import DIRECTIONS, moving, verdicts
 from giraff_telemetry.layout import HEADING, beside, clock, header
 
@@ -132,8 +135,7 @@ class DrivePicture:
 
     def stopping(self) -> tuple[str, str]:
         """The emergency stop, with the way out; and the style."""
-        seen = self.snapshot.estop
-        estop = seen.sample if seen is not None and seen.fresh else None
+        estop = _fresh(self.snapshot.estop)
         if estop is not None and estop.engaged and self.stop != release_question(estop):
             told = self.stop or Trouble("OFF" if estop.off else "ENGAGED", "r releases it")
             return f"{msgspec.structs.replace(told, action='')}. {before_release('By', estop)}", _ALARM
@@ -192,3 +194,43 @@ def _directions(snapshot: Snapshot) -> Iterator[Paragraph]:
             head.append(f"{verdict.allowed:.2f} {unit:<6}", style="default")
             why = verdict.reason.line(KEYS)
         yield Paragraph(head, why, "default", _ROWS_OF_A_DIRECTION, _DIRECTION, low_rows=1)
+
+
+class DriveView:
+    """Collects what a person who drives is shown. Times are monotonic, s."""
+
+    topics: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, ODOM, RANGE)
+
+    def __init__(self, robot: str, sensors: tuple[str, ...]) -> None:
+        """`sensors`: of the robot, in the order of its file."""
+        self._robot = robot
+        self._telemetry = Telemetry(sensors)
+        self.on_sample = self._telemetry.add
+        self._began: float | None = None
+
+    def draw(self, policy: KeyboardPolicy, stop: Trouble, now: float) -> DrivePicture:
+        """What is to be seen now. `stop`: what became of a stop, or of its release, that was asked for here."""
+        self._began = now if self._began is None else self._began
+        snapshot = self._telemetry.snapshot(_ns(now))
+        return DrivePicture(
+            robot=self._robot,
+            elapsed=now - self._began,
+            snapshot=snapshot,
+            is_lost=policy.moment(now) is None,
+            is_mine=policy.operator.holds,
+            driver=policy.operator.holder,
+            why=what_stops(policy.trouble(now), _fresh(snapshot.base), _fresh(snapshot.guard))
+            or policy.operator.rank_notice,
+            stop=stop,
+            step=policy.step,
+            steps=policy.steps,
+            speed=policy.speed,
+        )
+
+
+def _fresh(seen: Latest[SampleT] | None) -> SampleT | None:
+    return seen.sample if seen is not None and seen.fresh else None
+
+
+def _ns(seconds: float) -> int:
+    return round(seconds * 1e9)

@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol
 
 from giraff_core.estop.request import EStopRequest, Request
-from giraff_core.inbox import Inbox
-from giraff_core.io import IO, Selectable
+from giraff_core.io import IO, Inbox, Selectable
 from giraff_core.operator import OperatorService
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer

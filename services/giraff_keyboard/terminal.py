@@ -23,9 +23,8 @@ from rich.control import Control
 from rich.live import Live
 from rich.text import Text
 
-from giraff_keyboard.picture import DrivePicture
+from giraff_keyboard.picture import DrivePicture, DriveView
 from giraff_keyboard.policy import KeyboardPolicy
-from giraff_keyboard.view import DriveView
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.console import CleanConsole
 

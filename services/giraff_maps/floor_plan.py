@@ -1,14 +1,24 @@
-"""A floor plan: walls as segments, whatever file they come from."""
+"""A floor plan: walls as segments, whatever file they come from, and what none may be."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from giraff_schemas.checks import refuse_to_read
 
 Wall = tuple[float, float, float, float]
 """m; from x, y to x, y."""
+
+SMALLEST: Final = 0.5
+"""m; of the longer side."""
+LARGEST: Final = 200.0
+"""m; of either side."""
+FARTHEST: Final = 10_000.0
+"""m of any wall from (0, 0): farther off, millimetres are lost in single precision."""
+MOST_WALLS: Final = 20_000
+_MILLIMETRES: Final = 2_000.0  # m; a plan that seems so large has millimetres for metres, not centimetres
 
 
 class MapError(Exception):
@@ -59,3 +69,38 @@ class FloorPlan(NamedTuple):
         xs = [x for wall in self.walls for x in (wall[0], wall[2])]
         ys = [y for wall in self.walls for y in (wall[1], wall[3])]
         return Bounds(min(xs), min(ys), max(xs), max(ys))
+
+
+def usable(plan: FloorPlan, path: Path) -> FloorPlan:
+    """The plan itself. Raises MapError where it has no walls, too many, or a size that no home has."""
+    if not plan.walls:
+        raise MapError(f"{path}: it has no walls and no posts, so there is nothing to find the robot by: draw some")
+    if len(plan.walls) > MOST_WALLS:
+        raise MapError(f"{path}: more than {MOST_WALLS} walls: clean it of specks, or use a coarser resolution")
+    if not all(math.isfinite(value) for wall in plan.walls for value in wall):
+        raise MapError(f"{path}: a wall has a point that is not finite")
+    left, bottom, right, top = plan.bounds
+    width, height = right - left, top - bottom
+    if max(map(abs, plan.bounds)) > FARTHEST:
+        raise MapError(
+            f"{path}: it lies at ({left:g}, {bottom:g}) m, more than {FARTHEST / 1000.0:g} km from (0, 0): are these "
+            "coordinates of the earth? Take a corner of the building for the origin"
+        )
+    if max(width, height) > LARGEST:
+        raise MapError(f"{path}: {width:g} x {height:g} m is too large: {_too_large(path, max(width, height))}")
+    if max(width, height) < SMALLEST:
+        raise MapError(f"{path}: {width:g} x {height:g} m is too small: {_too_small(path)}")
+    return plan
+
+
+def _too_large(path: Path, side: float) -> str:
+    if path.suffix.lower() != ".toml":
+        return "resolution is the side of a cell in metres, most often 0.05"
+    unit = "millimetres" if side > _MILLIMETRES else "centimetres"
+    return f"are these {unit}? it takes metres"
+
+
+def _too_small(path: Path) -> str:
+    if path.suffix.lower() != ".toml":
+        return "resolution is the side of a cell in metres, most often 0.05"
+    return "it takes metres"

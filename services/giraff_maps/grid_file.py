@@ -22,8 +22,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 import msgspec
 
 from giraff_core.kinematics.parts import ANGLE
-from giraff_maps.checks import LARGEST
-from giraff_maps.floor_plan import MapError, at_home, read_text, require_file
+from giraff_maps.floor_plan import LARGEST, MapError, at_home, read_text, require_file
 from giraff_node.process.libraries import remedy
 from giraff_schemas.text import near, plain
 

@@ -12,8 +12,7 @@ from collections import deque
 from pathlib import Path
 from typing import Final
 
-from giraff_maps.checks import LARGEST, usable
-from giraff_maps.floor_plan import Bounds, FloorPlan, MapError
+from giraff_maps.floor_plan import LARGEST, Bounds, FloorPlan, MapError, usable
 from giraff_maps.grid_file import MOST_CELLS
 from giraff_maps.room_file import read_room_file, room_plan
 from giraff_node.process.state import write_file_durably

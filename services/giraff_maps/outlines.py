@@ -11,8 +11,7 @@ import itertools
 import math
 from typing import TYPE_CHECKING, Final
 
-from giraff_maps.checks import MOST_WALLS
-from giraff_maps.floor_plan import MapError, Wall
+from giraff_maps.floor_plan import MOST_WALLS, MapError, Wall
 from giraff_node.process.libraries import remedy
 
 if TYPE_CHECKING:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from giraff_maps.checks import usable
-from giraff_maps.floor_plan import FloorPlan, MapError, at_home, require_file
+from giraff_maps.floor_plan import FloorPlan, MapError, at_home, require_file, usable
 from giraff_maps.grid_file import read_grid
 from giraff_maps.outlines import walls_of
 from giraff_maps.room_file import room_plan

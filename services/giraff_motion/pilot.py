@@ -9,11 +9,10 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
 from giraff_motion.driver import Coast, Rest
-from giraff_motion.goal import Goal
+from giraff_motion.goal import Goal, Travel
 from giraff_motion.legs import Limits
 from giraff_motion.localized import Localized
 from giraff_motion.route import Route
-from giraff_motion.travel import Travel
 from giraff_schemas.messages import Odometry
 from giraff_schemas.motion import MotionRequest, steps_of
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -11,20 +12,26 @@ from typing import TYPE_CHECKING, Any
 os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 
 if TYPE_CHECKING:
-    from giraff_core.inbox import Inbox
+    from giraff_core.io import Inbox
     from giraff_core.timer import Timer
     from giraff_node.node import Node, Publisher
-    from giraff_node.process.clock import robot_now_ns
-
 __all__ = ["Inbox", "Node", "Publisher", "Timer", "robot_now_ns"]
 
 _HOMES = {
-    "Inbox": "giraff_core.inbox",
+    "Inbox": "giraff_core.io",
     "Node": "giraff_node.node",
     "Publisher": "giraff_node.node",
     "Timer": "giraff_core.timer",
-    "robot_now_ns": "giraff_node.process.clock",
 }
+
+
+def robot_now_ns() -> int:
+    """Nanoseconds of the clock that ticks are made of and judged by. Meaningful only on base's host.
+
+    CLOCK_BOOTTIME, unlike CLOCK_MONOTONIC, goes on while the machine is suspended: what was queued before a
+    suspend is old after it.
+    """
+    return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
 
 
 def __getattr__(name: str) -> Any:

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, Generic, Self
 
 import zenoh
 
-from giraff_core.inbox import MOST_REQUESTS, Inbox
-from giraff_core.io import Paced, PendingQuery, Selectable, Service
+from giraff_core.io import MOST_REQUESTS, Inbox, Paced, PendingQuery, Selectable, Service
 from giraff_core.network import NetworkConfig
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
+from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.config.settings import Settings
 from giraff_node.network.base_reach import BaseReach, RouterLink, WrongRobotCheck
@@ -33,7 +33,6 @@ from giraff_node.network.link_repair import LinkRepair
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.network.subscription import PolledInbox, Reader
-from giraff_node.process.clock import robot_now_ns
 from giraff_node.process.lifecycle import Process
 from giraff_node.process.state import Folder, state_directory
 from giraff_schemas.codec import DecodeError, decode_request, encode, encoding_of, stamped

@@ -15,10 +15,10 @@ from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import suggestion
 from giraff_node.node import Node
-from giraff_node.process import malloc
+from giraff_node.process.c_library import limit_heaps
 from giraff_schemas.services import SERVICES, Service
 
-malloc.limit_heaps()
+limit_heaps()
 
 _STARTED = {service.name: service for service in SERVICES if service.entry}
 

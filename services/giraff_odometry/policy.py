@@ -13,11 +13,10 @@ from collections import deque
 from typing import Final
 
 from giraff_core.bounds import Bounds
-from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
+from giraff_core.counters import SLACK_TICKS, Standstill, elapsed_us, restart, signed32
 from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.dead_reckoning import Estimate, advance, less_sure, wrapped
 from giraff_core.kinematics.pose import Pose
-from giraff_core.kinematics.standstill import Standstill
 from giraff_core.kinematics.systematic_error import SystematicError
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig

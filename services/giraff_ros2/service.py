@@ -8,8 +8,7 @@ from typing import Any, Final
 from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Bool as Bool
 
 from giraff_core.estop.request import EStopRequest, Request
-from giraff_core.inbox import Inbox
-from giraff_core.io import IO
+from giraff_core.io import IO, Inbox
 from giraff_core.operator import OperatorService
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer

@@ -15,8 +15,7 @@ from typing import Final, Self
 import rerun_cli
 from rerun.experimental import ViewerClient
 
-from giraff_viewer.graphics import NO_VULKAN
-from giraff_viewer.memory import GIVE_BACK, LATECOMERS
+from giraff_viewer.machine import GIVE_BACK, LATECOMERS, NO_VULKAN
 
 PICTURE_SIZE: Final = "1600x1000"
 

@@ -10,8 +10,7 @@ from typing import Final
 
 import cv2
 
-from giraff_core.inbox import Inbox
-from giraff_core.io import IO
+from giraff_core.io import IO, Inbox
 from giraff_core.kinematics.pose import Pose
 from giraff_core.picture.asker import PictureAsker
 from giraff_core.robot import RobotConfig

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from giraff_core.estop.request import Request
-from giraff_core.inbox import Inbox
-from giraff_core.io import IO
+from giraff_core.io import IO, Inbox
 from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer

@@ -14,10 +14,10 @@ import msgspec
 import zenoh
 
 from giraff_core.network import NetworkConfig
+from giraff_node import robot_now_ns
 from giraff_node.network.session import open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.picture_client import PictureClient
-from giraff_node.process.clock import robot_now_ns
 from giraff_schemas.camera import Picture
 from giraff_schemas.codec import decode
 from giraff_schemas.topics import TICK, key_of

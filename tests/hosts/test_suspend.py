@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from giraff_node.process.clock import robot_now_ns
+from giraff_node import robot_now_ns
 
 SUSPENDED = 1000  # s
 
 
 def test_the_robots_clock_has_gone_on_while_the_machine_was_suspended() -> None:
     """What was queued before is old after it."""
-    asks = "from giraff_node.process.clock import robot_now_ns; print(robot_now_ns())"
+    asks = "from giraff_node import robot_now_ns; print(robot_now_ns())"
     done = subprocess.run(
         ["unshare", "--time", "--boottime", str(SUSPENDED), sys.executable, "-c", asks],
         check=True,

@@ -9,8 +9,7 @@ from typing import Any, Final, TypeVar
 import msgspec
 
 from giraff_cli.run.demonstration import Demonstration, JoystickHold
-from giraff_core.inbox import Inbox
-from giraff_core.io import Service
+from giraff_core.io import Inbox, Service
 from giraff_core.timer import Timer
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig

@@ -14,7 +14,7 @@ from giraff_core.timer import Timer
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.topics import ODOM, TICK, VISUAL_ODOM
-from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
+from giraff_sim.bodies.wheels.body import LEFT, RIGHT
 from giraff_sim.camera.renderer import Renderer
 from giraff_sim.camera.scene import Scene
 from giraff_sim.world.world import World

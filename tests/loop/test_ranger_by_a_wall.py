@@ -10,8 +10,7 @@ from typing import Any, Final
 import msgspec
 import pytest
 
-from giraff_core.inbox import Inbox
-from giraff_core.io import Service
+from giraff_core.io import Inbox, Service
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult, result_of
 from giraff_schemas.motion import MotionGo, Step

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_core.inbox import Inbox
-from giraff_core.io import PendingQuery
+from giraff_core.io import Inbox, PendingQuery
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
 from giraff_schemas.requests import EStopAnswer, EStopEngage

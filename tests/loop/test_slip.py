@@ -4,7 +4,7 @@ import math
 from typing import Final
 
 from giraff_core.kinematics.differential_drive import CREEP
-from giraff_sim.bodies.wheels.motor_wiring import LEFT
+from giraff_sim.bodies.wheels.body import LEFT
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room
 from tests.support.wheels import wheels_of

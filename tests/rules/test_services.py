@@ -11,7 +11,7 @@ from unittest.mock import MagicMock
 import pytest
 
 from giraff_base.drives.balancer.drive import BalancerDrive
-from giraff_keyboard.view import DriveView
+from giraff_keyboard.picture import DriveView
 from giraff_node.config import typos
 from giraff_node.config.robot_file import load
 from giraff_node.start import build

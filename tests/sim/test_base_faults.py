@@ -7,7 +7,7 @@ import pytest
 
 from giraff_schemas.wire import OPPOSITE_MS, STUCK_MS, BoardKind, DriveState, Latch, Refusal, ResetCause, Wiring
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
+from giraff_sim.bodies.wheels.body import LEFT, RIGHT
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from tests.sim.line import BaseLine

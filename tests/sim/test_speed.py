@@ -14,7 +14,7 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_schemas.wire import BoardKind, DriveState, Latch, SpeedFlag
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.registry import world_of
-from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
+from giraff_sim.bodies.wheels.body import LEFT, RIGHT
 from giraff_sim.bodies.wheels.plant import Plant
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import Simulation, simulation

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from giraff_camera.device.image import DeviceError, Image, cv2
 from giraff_core.picture.header import Header, HeaderError, read_jpeg
-from giraff_node.process.c_stderr import muted_c_stderr
+from giraff_node.process.c_library import muted_c_stderr
 from giraff_schemas.trouble import Trouble
 
 _BUFFERS: Final = 2

@@ -28,7 +28,7 @@ from giraff_tools.network.limits import ask_base, limits_of
 from giraff_tools.network.picture_subscriber import PictureSubscriber
 from giraff_tools.terminal.program import user_at_host
 from giraff_tools.terminal.signals import StopSignal
-from giraff_viewer.memory import require_memory
+from giraff_viewer.machine import require_memory
 from giraff_viewer.window import ViewerError
 
 _TURN: Final = 0.03  # s between two looks at what was heard

@@ -16,7 +16,7 @@ from giraff_schemas.text import printable
 from giraff_tools.network.command import print_error
 from giraff_tools.network.ports import free_port
 from giraff_tools.terminal.text import json_line
-from giraff_viewer.graphics import NO_VULKAN, has_vulkan
+from giraff_viewer.machine import NO_VULKAN, has_vulkan
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show, require_screen
 from giraff_viewer.window import ViewerError, Window

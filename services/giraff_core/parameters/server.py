@@ -8,8 +8,7 @@ from typing import Any, Final, Generic
 
 import msgspec
 
-from giraff_core.inbox import Inbox
-from giraff_core.io import PendingQuery, Store
+from giraff_core.io import Inbox, PendingQuery, Store
 from giraff_core.parameters.table import ConfigT, MistypedError, ParamError, Parameters
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet

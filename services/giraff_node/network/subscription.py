@@ -9,7 +9,7 @@ from typing import Any, Final, Generic
 import msgspec
 import zenoh
 
-from giraff_core.inbox import Inbox
+from giraff_core.io import Inbox
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import SampleT, Topic
 from giraff_schemas.trouble import NO_TROUBLE, Trouble

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.picture.header import HeaderError, read_picture
-from giraff_node.process.c_stderr import muted_c_stderr
+from giraff_node.process.c_library import muted_c_stderr
 
 Grey = NDArray[np.uint8]
 """(height, width), 0 black to 255 white."""

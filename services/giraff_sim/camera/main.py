@@ -23,8 +23,8 @@ from giraff_camera.device.raw_frames import Header, Wanted
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.process.c_library import keep_freed_memory
 from giraff_node.process.logs import service_logger
-from giraff_node.process.malloc import keep_freed_memory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.text import plain
 from giraff_sim.camera.lens import resized

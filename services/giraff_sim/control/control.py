@@ -10,8 +10,7 @@ import msgspec
 
 from giraff_schemas.text import plain
 from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCause, WheelsFrame, Wiring
-from giraff_sim.bodies.wheels.body import WheelsBody
-from giraff_sim.bodies.wheels.motor_wiring import LEFT, RIGHT
+from giraff_sim.bodies.wheels.body import LEFT, RIGHT, WheelsBody
 from giraff_sim.control import messages
 from giraff_sim.ptys import SerialPort
 from giraff_sim.simulation import Simulation, WallPacer

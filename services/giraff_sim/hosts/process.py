@@ -10,8 +10,7 @@ from typing import Any, Final, Generic, Protocol, TypeVar
 
 import msgspec
 
-from giraff_core.inbox import MOST_REQUESTS, Inbox
-from giraff_core.io import Board, PendingQuery, Publisher, Service
+from giraff_core.io import MOST_REQUESTS, Board, Inbox, PendingQuery, Publisher, Service
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.retry import RetriedRequest

@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_core.inbox import Inbox
+from giraff_core.io import Inbox
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import Parameters
 from giraff_guard.config import GuardConfig

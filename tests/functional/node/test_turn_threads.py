@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_core.inbox import Inbox
+from giraff_core.io import Inbox
 from giraff_core.timer import Timer
 from giraff_node.process import lifecycle
 from giraff_node.process.lifecycle import Process

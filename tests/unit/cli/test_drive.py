@@ -19,10 +19,9 @@ from giraff_core.lease import IDLE
 from giraff_core.parameters.table import Parameters
 from giraff_keyboard import main
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.picture import COLUMNS, ROWS, DrivePicture
+from giraff_keyboard.picture import COLUMNS, ROWS, DrivePicture, DriveView
 from giraff_keyboard.policy import Key
 from giraff_keyboard.reset_request import release_question
-from giraff_keyboard.view import DriveView
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.tokens import Token
 from giraff_schemas.actions import KEYS

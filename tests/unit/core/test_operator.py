@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_core.inbox import Inbox
+from giraff_core.io import Inbox
 from giraff_core.lease import ASK, unranked_notice
 from giraff_core.operator import ASKS_NOTHING, LINK_SILENCE, Fault, Hand, Operator, OperatorService, Wish
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-import giraff_maps.checks
+import giraff_maps.floor_plan
 import giraff_maps.outlines
 from giraff_maps.floor_plan import MapError
 from giraff_maps.read import read_map
@@ -132,7 +132,7 @@ def test_an_image_that_is_far_too_large_is_not_even_read(tmp_path: Path) -> None
 
 
 def test_specks_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (giraff_maps.checks, giraff_maps.outlines):
+    for module in (giraff_maps.floor_plan, giraff_maps.outlines):
         monkeypatch.setattr(module, "MOST_WALLS", 200)
     Image.effect_noise((100, 100), 200.0).save(tmp_path / "map.pgm")
     assert "more than 200 walls: clean it of specks" in refused(written(tmp_path, YAML))

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from giraff_node.process.c_stderr import muted_c_stderr
+from giraff_node.process.c_library import muted_c_stderr
 
 
 def test_only_c_libraries_are_silent_and_for_that_moment_only(capfd: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_node.process.clock import robot_now_ns
+from giraff_node import robot_now_ns
 
 BOOTTIME = 7  # linux/time.h
 
@@ -17,6 +17,6 @@ def test_the_robots_clock_is_the_kernels_that_goes_on_through_a_suspend(monkeypa
         asked.append(number)
         return 42
 
-    monkeypatch.setattr("giraff_node.process.clock.time.clock_gettime_ns", ask)
+    monkeypatch.setattr("giraff_node.time.clock_gettime_ns", ask)
     assert robot_now_ns() == 42
     assert asked == [BOOTTIME]

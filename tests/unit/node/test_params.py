@@ -12,7 +12,7 @@ import pytest
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.param.format import Shown
 from giraff_core.bounds import require_positive
-from giraff_core.inbox import Inbox
+from giraff_core.io import Inbox
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import MistypedError, ParamError, Parameters
 from giraff_core.tuning import Tuning

@@ -10,7 +10,7 @@ from unittest.mock import MagicMock
 import msgspec
 import pytest
 
-from giraff_core.inbox import Inbox
+from giraff_core.io import Inbox
 from giraff_core.kinematics.echoes import CELL, MOST_CELLS, Echoes
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.service import Odometry

@@ -23,7 +23,7 @@ from giraff_schemas.trouble import Trouble
 from giraff_viewer.colours import CONES
 from giraff_viewer.cones import Cone
 from giraff_viewer.event_text import EventText, drawable
-from giraff_viewer.memory import require_memory
+from giraff_viewer.machine import require_memory
 from giraff_viewer.plots import Values
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_base.drives.wheels.config import UM_PER_M
-from giraff_core.counters import restart, signed32
-from giraff_core.kinematics.standstill import Standstill
+from giraff_core.counters import Standstill, restart, signed32
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import WheelsFrame

@@ -6,8 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
-from giraff_core.kinematics.standstill import Standstill
+from giraff_core.counters import SLACK_TICKS, Standstill, elapsed_us, restart, signed32
 from giraff_schemas.messages import Wheels
 from giraff_setup.wheels.odometry.plan import POSITION_SD, YAW_SD
 from giraff_setup.wheels.odometry.runs import Run

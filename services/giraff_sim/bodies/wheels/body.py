@@ -9,12 +9,15 @@ from giraff_core.encoder_disk import Pattern
 from giraff_core.robot import WIRING, RobotConfig
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board
-from giraff_sim.bodies.wheels.motor_wiring import RIGHT, MotorWiring
 from giraff_sim.bodies.wheels.plant import Plant, Wheel
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
 from giraff_sim.world.body import BoardReport
 from giraff_sim.world.room import Room
+
+LEFT: Final = 0
+RIGHT: Final = 1
+Pair = tuple[float, float]
 
 KNOWN: Final = {
     **{f"GIRAFF_BASE_DRIVE__{name.upper()}": "false" for name in WIRING},
@@ -25,9 +28,59 @@ KNOWN: Final = {
 """Variables for the services: values that are measured on a real robot before it may drive, and known of this one.
 Its plant brakes at about 2.9 m/s²."""
 
+_INVERT_MOTOR: Final = (Wiring.INVERT_LEFT_MOTOR, Wiring.INVERT_RIGHT_MOTOR)
+_INVERT_ENCODER: Final = (Wiring.INVERT_LEFT_ENCODER, Wiring.INVERT_RIGHT_ENCODER)
 _ADC_FULL_SCALE: Final = 1023
 _ADC_VOLTS: Final = 5.0
 _UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that a 24 V battery fits into
+
+
+class MotorWiring:
+    """How motors and encoders are soldered to the base board, whatever its `configure` frame says.
+
+    It stands between the plant's wheels, by side, and the motors and encoders of board_model.h, by number.
+    """
+
+    def __init__(self) -> None:
+        self.wiring = Wiring(0)
+        """What `configure` must say for levels and ticks to be right."""
+        self._is_crossed = False  # flags are slow to look at, and this is asked at each step
+        self._starts: Pair = (0.0, 0.0)  # position of each encoder where its wheel's is 0
+
+    def encoder_of(self, wheel: int) -> int:
+        """The number of a wheel's encoder."""
+        return wheel ^ int(Wiring.SWAP_ENCODERS in self.wiring)
+
+    def motor_of(self, wheel: int) -> int:
+        """Return the number of a wheel's motor."""
+        return wheel ^ int(Wiring.SWAP_MOTORS in self.wiring)
+
+    def duties(self, drives: Pair) -> Pair:
+        """What each wheel gets of the motors' signed duties."""
+        if not self._is_crossed:
+            return drives
+        swap = int(Wiring.SWAP_MOTORS in self.wiring)
+        return self._signed(_INVERT_MOTOR, LEFT, drives[swap]), self._signed(_INVERT_MOTOR, RIGHT, drives[1 - swap])
+
+    def positions(self, states: Pair) -> Pair:
+        """Where each encoder is when the wheels are there, quadrature states."""
+        if not self._is_crossed:
+            return self._starts[0] + states[0], self._starts[1] + states[1]
+        turned = [0.0, 0.0]
+        for wheel in (LEFT, RIGHT):
+            turned[self.encoder_of(wheel)] = self._signed(_INVERT_ENCODER, wheel, states[wheel])
+        return self._starts[0] + turned[0], self._starts[1] + turned[1]
+
+    def rewire(self, wiring: Wiring, states: Pair) -> None:
+        """Rewire all, with the wheels where they are: no encoder moves."""
+        before = self.positions(states)
+        self.wiring, self._starts = wiring, (0.0, 0.0)
+        self._is_crossed = bool(wiring)
+        after = self.positions(states)
+        self._starts = before[0] - after[0], before[1] - after[1]
+
+    def _signed(self, inverted: tuple[Wiring, Wiring], wheel: int, value: float) -> float:
+        return -value if inverted[wheel] in self.wiring else value
 
 
 class WheelsBody:
@@ -79,7 +132,7 @@ class WheelsBody:
         raise ValueError("this robot does not balance")
 
     def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
-        """Cut (or mend) the wires of a wheel's encoder: `motor_wiring.LEFT` or `RIGHT`."""
+        """Cut (or mend) the wires of a wheel's encoder: `LEFT` or `RIGHT`."""
         self._cut[self._motor_wiring.encoder_of(wheel)] = int(is_cut)
 
     def slip_encoder(self, wheel: int, lost_share: float) -> None:
