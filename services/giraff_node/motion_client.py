@@ -11,8 +11,7 @@ from typing import Any, Final, NamedTuple
 
 import zenoh
 
-from giraff_core.motion.held import HeldMotion
-from giraff_core.motion.requester import MotionRequester
+from giraff_core.motion.requester import HeldMotion, MotionRequester
 from giraff_core.motion.result import MotionResult
 from giraff_core.timer import Timer
 from giraff_node.network.query_client import QueryClient

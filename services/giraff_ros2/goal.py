@@ -9,8 +9,7 @@ import math
 from typing import Any, Final
 
 from giraff_core.io import IO
-from giraff_core.motion.held import HeldMotion
-from giraff_core.motion.requester import MotionRequester
+from giraff_core.motion.requester import HeldMotion, MotionRequester
 from giraff_core.operator import RobotLink
 from giraff_core.retry import RetriedRequest
 from giraff_ros2.answers import Answers

@@ -13,8 +13,7 @@ from giraff_schemas.framing import Decoder
 from giraff_schemas.wire import BoardKind, WheelsFrame
 from giraff_schemas.wires.balancer import BalanceFrame
 from giraff_sim.board import Implementation
-from giraff_sim.bodies.encoder_disk import mirrored
-from giraff_sim.bodies.registry import world_of
+from giraff_sim.bodies.registry import mirrored, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from giraff_sim.world.hand import StillHand

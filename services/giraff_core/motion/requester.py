@@ -1,21 +1,22 @@
-"""What whoever asks for a motion says meanwhile, and what it concludes. No I/O and no clock.
+"""The requester's side of a motion: what it says meanwhile, what it concludes, and the one order of its steps.
 
-It holds on to the motion as a hand holds a key down: with each tick of the robot that it has heard, and with no other.
-One that is killed, cut off or suspended hears none, and its motion ends.
+The requester holds on to the motion as a hand holds a key down: with each tick of the robot that it has heard, and with
+no other. One that is killed, cut off or suspended hears none, and its motion ends. No I/O and no clock.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 from giraff_core.motion.result import Ending, MotionResult, result_of
 from giraff_core.operator import LINK_SILENCE, RobotLink
+from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionGo, MotionHold, MotionState, Step
-from giraff_schemas.topics import MOTION_HOLD
+from giraff_schemas.topics import MOTION_CANCEL, MOTION_GO, MOTION_HOLD, Query
 
 ANSWERS_WITHIN: Final = 3.0
 """s for an answer, with some attempts that are lost."""
@@ -158,3 +159,59 @@ class MotionRequester:
         _, why = self._lost or ("", "")
         why = why or str(self._link.link_fault(now)) or f"its end was not heard within {ENDS_WITHIN:g} s of the cancel"
         return result_of(self.state, "unheard", why, begun=True)
+
+
+class HeldMotion:
+    """A motion that somebody asks for, holds on to and ends.
+
+    Call `turn` often until it returns how the motion has ended. Who stops calling lets go. Times: monotonic, s.
+    """
+
+    def __init__(
+        self,
+        requester: MotionRequester,
+        ask: Callable[[Query[Any, Any], Any], RetriedRequest[Any]],
+        hold: Callable[[MotionHold], object],
+        steps: Sequence[Step],
+        *limits: float | None,
+    ) -> None:
+        """`ask` begins to ask giraff_motion. `hold` says that the motion is still wished.
+
+        `limits`: m/s, rad/s and s, as of `MotionRequester.ask`.
+        """
+        self._requester, self._ask, self._hold = requester, ask, hold
+        self._steps, self._limits = steps, limits
+        self._asking: RetriedRequest[Any] | None = None
+        self._cancelling: RetriedRequest[Any] | None = None
+
+    @property
+    def has_asked(self) -> bool:
+        """It has heard the robot, and has asked."""
+        return self._asking is not None
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Its end was asked for."""
+        return self._cancelling is not None
+
+    def turn(self, now: float) -> MotionResult | None:
+        """Return how it has ended; None: it goes on. Raises ValueError for a wish of no numbers."""
+        requester = self._requester
+        if self._cancelling is not None:
+            self._cancelling.poll(now)
+        elif self._asking is not None:
+            if (answer := self._asking.poll(now)) is not None:
+                requester.on_answer(answer, now)
+            requester.on_fault(self._asking.fault)
+        elif (request := requester.ask(now, self._steps, *self._limits)) is not None:
+            self._asking = self._ask(MOTION_GO, request)
+            self._asking.poll(now)
+        if (hold := requester.hold(now)) is not None:
+            self._hold(hold)
+        return requester.result(now)
+
+    def cancel(self, now: float) -> None:
+        """Let go of it, and ask for its end; `turn` tells of it."""
+        request = self._requester.cancel(now)
+        if self._cancelling is None:
+            self._cancelling = self._ask(MOTION_CANCEL, request)

@@ -1,14 +1,17 @@
-"""The world around a robot of each kind, and the judge of its body."""
+"""The world around a robot of each kind, the disk that its encoders read, and the judge of its body."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
 from typing import Any, assert_never
 
 from giraff_base.config import BaseConfig, DriveConfig
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_base.drives.wheels.config import WheelsConfig
+from giraff_core.encoder_disk import LONGEST, Edge, Pattern, read_pattern
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load, path_of, read_tables
 from giraff_schemas.services import BASE
@@ -17,7 +20,6 @@ from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.bodies.balancer.judge import BalancerJudge
-from giraff_sim.bodies.encoder_disk import mirrored, read_disk
 from giraff_sim.bodies.wheels.body import KNOWN as WHEELS_KNOWN
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
@@ -102,3 +104,38 @@ def judge_of(body: Body, robot: RobotConfig, config: BaseConfig, outlives_us: in
             return BalancerJudge(body, robot, outlives_us)
         case _ as never:
             assert_never(never)
+
+
+def read_disk(path: str) -> Pattern:
+    """Return the edges of the drawing in a file, the same that is printed for a real robot. Raises ValueError.
+
+    They begin where both channels are low.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            text = file.read(LONGEST + 1).decode()  # a little more than is read, so that a longer file is refused
+        return _from_low(read_pattern(text))
+    except OSError as error:
+        raise ValueError(f"encoder_disk of [sim]: {path} cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        reason = "it is no text" if isinstance(error, UnicodeDecodeError) else error
+        raise ValueError(f"encoder_disk of [sim]: {path}: {reason}") from error
+
+
+def mirrored(pattern: Pattern) -> Pattern:
+    """Return the edges of a disk that turns the other way, for the encoder whose channel B a base board has inverted.
+
+    The board's mirrored wiring inverts B for a motor that looks the other way. B is inverted here as well, so that the
+    pins have the levels of the disk.
+    """
+    states, edges = pattern
+    before = [edges[-1], *edges]
+    turned = [Edge(-edge.at % 1.0, left.a, not left.b) for left, edge in pairwise(before)]
+    return _from_low(Pattern(states, tuple(sorted(turned))))
+
+
+def _from_low(pattern: Pattern) -> Pattern:
+    """Begin the turn where both channels become low, as the pins of a board are at its start, if they ever do."""
+    states, edges = pattern
+    first = next((edge.at for edge in edges if not (edge.a or edge.b)), edges[0].at)
+    return Pattern(states, tuple(sorted(edge._replace(at=(edge.at - first) % 1.0) for edge in edges)))

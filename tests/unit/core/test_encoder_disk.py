@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from giraff_core.encoder_disk import LONGEST, Disk, Pattern, drawing, read_pattern
-from giraff_sim.bodies.encoder_disk import mirrored, read_disk
+from giraff_sim.bodies.registry import mirrored, read_disk
 
 SECTORS = [line for line in drawing(Disk()).splitlines(keepends=True) if line.endswith('Z" fill="#000"/>\n')]
 """The black ones: 40 of the outer ring, then 40 of the inner one."""
