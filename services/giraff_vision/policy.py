@@ -8,6 +8,7 @@ robot, and wheels that slip look alike. So both are told, and neither is a measu
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import Final, NamedTuple
 
 import cv2
@@ -18,12 +19,11 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.picture.header import HeaderError, read_jpeg
 from giraff_core.sensors import Camera
 from giraff_schemas.camera import Picture, VisualOdometry
-from giraff_schemas.messages import Odometry
+from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_vision import reasons
 from giraff_vision.ground import Ground, PictureError
 from giraff_vision.odometer import PictureMotion, VisualOdometer
-from giraff_vision.wheel_path import WheelPath, Whereabouts
 
 _OFF_SHARE: Final = 0.08
 """m and rad for each of the wheels' way or turn by which both may differ: more than calibrations leave."""
@@ -46,6 +46,10 @@ _TRUSTED_AGAIN: Final = 0.05
 _DOUBTED_WAY: Final = 0.3
 """m and rad by the wheels after which the next key picture is taken while both disagree."""
 _NOTHING: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_KEPT: Final = 500
+"""Samples of the wheels: 5 s of them, longer than a picture takes to come."""
+_GAP: Final = 0.1
+"""s by which a picture may be newer than the newest sample before it: the robot goes on meanwhile as it did then."""
 
 
 def grey_of(jpeg: bytes, camera: Camera) -> NDArray[np.uint8]:
@@ -81,6 +85,53 @@ class _Travel(NamedTuple):
     """m that were measured."""
     blind: float
     """m by the wheels."""
+
+
+class Whereabouts(NamedTuple):
+    """Where the wheels had the robot at the moment of a picture."""
+
+    segment: tuple[int, str, int]
+    """Between two of which this differs lies no motion."""
+    pose: Pose
+    """In `odom`."""
+    speed: float
+    """m/s."""
+    turn: float
+    """rad/s."""
+
+
+class WheelPath:
+    """What odometry has said in the last seconds."""
+
+    def __init__(self) -> None:
+        self._samples: deque[Odometry] = deque(maxlen=_KEPT)
+
+    def add(self, sample: Odometry) -> None:
+        """Take the next sample. An older one than the last is passed over."""
+        last = self._samples[-1] if self._samples else None
+        if last is not None and _segment(last) != _segment(sample):
+            self._samples.clear()
+        elif last is not None and sample.tick.robot_ns <= last.tick.robot_ns:
+            return
+        self._samples.append(sample)
+
+    def at(self, tick: RobotTime | None, since_tick: float) -> Whereabouts | None:
+        """Return where the wheels had the robot `since_tick` s after a tick; None: they do not tell."""
+        if tick is None or not self._samples or tick.epoch != self._samples[-1].tick.epoch:
+            return None
+        moment = tick.robot_ns + round(since_tick * 1e9)
+        before = next((each for each in reversed(self._samples) if each.tick.robot_ns <= moment), None)
+        if before is None:
+            return None
+        seconds = (moment - before.tick.robot_ns) * 1e-9
+        if seconds > _GAP:
+            return None
+        pose = Pose(before.x, before.y, before.yaw).moved(before.linear_x * seconds, before.angular_z * seconds)
+        return Whereabouts(_segment(before), pose, before.linear_x, before.angular_z)
+
+
+def _segment(sample: Odometry) -> tuple[int, str, int]:
+    return sample.tick.epoch, *sample.segment
 
 
 class VisionPolicy:
