@@ -1,7 +1,5 @@
 """make bench: measure, print, and renew results.json and docs/performance.md. ARGS="--rounds 1 --only pairs"."""
 
-from __future__ import annotations
-
 import argparse
 import datetime as dt
 import json

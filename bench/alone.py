@@ -1,7 +1,5 @@
 """What needs no network: the codec, a serial line, and a seed of the deterministic simulation."""
 
-from __future__ import annotations
-
 import json
 import os
 import pty

@@ -1,7 +1,5 @@
 """What a run has measured: by figure and subject, all values in order; and the targets. No I/O here."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from statistics import median
 from typing import Any, Final, Literal, NamedTuple

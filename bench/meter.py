@@ -1,7 +1,5 @@
 """What a process has used so far, by the kernel's own counts."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Pairs of processes, one of each stack: how soon samples come, what they cost, how many go, how soon it begins."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -4,8 +4,6 @@ ROS 1 is Debian's, and is never installed from here. The others come from PyPI i
 cannot be had is named and left out.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import struct

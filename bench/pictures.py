@@ -1,7 +1,5 @@
 """Bars, drawn from the results: each picture by its file's name. Legible on light and on dark pages."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Final

@@ -1,7 +1,5 @@
 """A run in words: tables for the terminal and for the page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import count
 from typing import Any, Final

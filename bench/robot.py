@@ -1,7 +1,5 @@
 """The whole simulated robot: what each service uses while it drives, beside bare Zenoh with the same traffic."""
 
-from __future__ import annotations
-
 import json
 import random
 import subprocess

@@ -4,8 +4,6 @@ Each sends its moment and a number, and passes both to a callback where a progra
 are inside the classes: what a process imports is part of what is measured.
 """
 
-from __future__ import annotations
-
 import os
 import struct
 import threading

@@ -3,8 +3,6 @@
 PLAN is JSON: `publish` has rows of key, Hz, bytes and whether it is control; `subscribe` has keys.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -4,8 +4,6 @@ It takes commands from the benchmark at SOCKET, a JSON line each, and answers ea
 sends on `a` and hears `b`, or `back`, the other way round.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

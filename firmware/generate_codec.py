@@ -12,8 +12,6 @@ Usage: generate_codec.py           write the codecs
                                    print the protocol hash of a board, for -DPROTOCOL_HASH=
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import re

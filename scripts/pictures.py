@@ -5,8 +5,6 @@ on a phone, and what `giraff view` makes of a recording. It needs /usr/bin/chrom
 and noise are always those of one seed, and the pictures are taken after the same way, so new ones differ by little.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Steps that a person takes, and the words of each screen for them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final, Literal
 

@@ -1,7 +1,5 @@
 """The boards that services speak with, each with its firmware's wire."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """What the bumpers say."""
 
-from __future__ import annotations
-
 from giraff_schemas.messages import RobotTime, Sample
 
 

@@ -1,7 +1,5 @@
 """Pictures of a camera, and who sees them: it sends none unless somebody has asked for it and is still there."""
 
-from __future__ import annotations
-
 from typing import Final, Literal
 
 import msgspec

@@ -3,8 +3,6 @@
 The checks of `__post_init__` run for every sample on both sides: text comes only of a fault.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from math import isfinite
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Samples to bytes and back: MessagePack maps, with an encoding that names the schema."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """What the fields of a Struct are, in the words of its source: for people who ask what a sample means."""
 
-from __future__ import annotations
-
 import ast
 import copy
 import sys

@@ -1,7 +1,5 @@
 """The number of the format of samples. Each recording carries it, and a reader of another number refuses the file."""
 
-from __future__ import annotations
-
 from typing import Final
 
 SAME_VERSION: Final = "install the same version on all machines, and restart the services"

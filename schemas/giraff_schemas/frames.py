@@ -1,7 +1,5 @@
 """The robot's frames (REP-105), and where one is in another."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import msgspec

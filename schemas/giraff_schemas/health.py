@@ -1,7 +1,5 @@
 """What a service answers about itself."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_schemas.format import SAME_VERSION

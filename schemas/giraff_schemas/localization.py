@@ -3,8 +3,6 @@
 The frame `map` is the floor plan's own: m, x to the east and y to the north where the plan has them so.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

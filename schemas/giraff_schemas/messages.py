@@ -4,8 +4,6 @@ A sample is a MessagePack map. A reader ignores fields that it does not know, an
 numbers that are not finite. `__post_init__` checks this at both ends; `codec.stamped` makes its copy without that.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 import msgspec

@@ -3,8 +3,6 @@
 Poses are of `base_link`; axes are REP-103's. A yaw here counts whole turns.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """What is asked and answered of a service's parameters: the fields of its configuration."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import msgspec

@@ -3,8 +3,6 @@
 They are MessagePack maps as samples are, checked where they are made and where they arrive.
 """
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_schemas.checks import require_finite

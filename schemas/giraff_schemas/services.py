@@ -1,7 +1,5 @@
 """The table of services: what each is called, where it runs, and what it says, hears and answers."""
 
-from __future__ import annotations
-
 from typing import Any, Final, Literal
 
 import msgspec

@@ -3,8 +3,6 @@
 And the only one that tells which word was meant where one is mistyped.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable
 from typing import Final

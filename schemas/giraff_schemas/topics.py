@@ -3,8 +3,6 @@
 Keys are under `giraff/<robot>/`. `*` in a key stands for one chunk (an operator's or a sensor's name), given with `at`.
 """
 
-from __future__ import annotations
-
 from typing import Any, Generic, Literal, TypeVar
 
 import msgspec
@@ -49,7 +47,7 @@ class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
         """The operator, sensor or camera that a key of this row is of: the chunk after its first one."""
         return key.split("/")[-self.key.count("/")]
 
-    def at(self, name: str) -> Topic[SampleT]:
+    def at(self, name: str) -> "Topic[SampleT]":
         """The row of one operator or sensor."""
         require_chunk(name)
         return msgspec.structs.replace(self, key=self.key.replace("*", name))
@@ -64,7 +62,7 @@ class Query(msgspec.Struct, Generic[RequestT, AnswerT], frozen=True):
     unreadable: RequestT | None = None
     """Request that one which cannot be read stands for. None: it is refused."""
 
-    def at(self, service: str) -> Query[RequestT, AnswerT]:
+    def at(self, service: str) -> "Query[RequestT, AnswerT]":
         """The row of one service."""
         require_chunk(service)
         return msgspec.structs.replace(self, key=self.key.replace("*", service))

@@ -1,7 +1,5 @@
 """Trouble: what is wrong, and what to do about it. People read both as one line, and programs read each by itself."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_schemas.actions import ANY, Action, ActionWords
@@ -39,7 +37,7 @@ class Trouble(msgspec.Struct, frozen=True):
             steps.append(words[self.action].format(self.argument or "a moment"))
         return ", then ".join(filter(None, steps))
 
-    def of(self, whom: str) -> Trouble:
+    def of(self, whom: str) -> "Trouble":
         """Return the same trouble, with the name of the part that has it before it."""
         return msgspec.structs.replace(self, what=f"{whom}: {self.what}")
 

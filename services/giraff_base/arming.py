@@ -1,7 +1,5 @@
 """When the robot may move at all: whether the holder's neutral hand has armed it."""
 
-from __future__ import annotations
-
 from giraff_base.config import BaseConfig
 from giraff_core.freshness import age
 from giraff_core.live import Live

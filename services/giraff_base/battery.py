@@ -1,7 +1,5 @@
 """A battery that runs down slows the robot, then engages the emergency stop. A charge of it is seen, too."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Whom base obeys: one guard process, and no copy, replay or double of it."""
 
-from __future__ import annotations
-
 from giraff_base.arming import Arming
 from giraff_base.config import BaseConfig
 from giraff_core.freshness import age

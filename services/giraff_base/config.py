@@ -1,7 +1,5 @@
 """Table `[base]` of the robot file."""
 
-from __future__ import annotations
-
 from typing import Annotated, Final, get_args
 
 import msgspec

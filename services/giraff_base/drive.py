@@ -4,8 +4,6 @@ A kind of drive is a folder below `drives/`. It tells what its board has proved,
 permits. `giraff_base.policy` decides whether the robot may move at all, once for every kind.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple, Protocol
 

@@ -1,7 +1,5 @@
 """The emergency stop: who may engage it (anyone, at once), and what a reset must prove."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import msgspec

@@ -5,8 +5,6 @@ reset is written first and takes effect then: a robot that may move is one that 
 no clock here: what became of a write comes in as an outcome.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Final, Protocol
 

@@ -1,7 +1,5 @@
 """What may be driven now: the command in charge, as far as nothing forbids it. Else why not, the first cause first."""
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 from giraff_base.arming import Arming

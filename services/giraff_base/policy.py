@@ -1,7 +1,5 @@
 """Base's whole policy: what goes to the board, and why. No I/O and no clock: time is an argument."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Any, Final, assert_never

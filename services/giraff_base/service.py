@@ -1,7 +1,5 @@
 """The robot's clock, and the only writer to the base board."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_base.config import BaseConfig

@@ -1,7 +1,5 @@
 """JPEGs of at most so many bytes."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """giraff_camera: the process."""
 
-from __future__ import annotations
-
 import sys
 from contextlib import closing
 from typing import Final

@@ -4,8 +4,6 @@ Each of two sizes is a stream of its own, and its next picture goes when all who
 one picture is under way at a time on each link, and a slow link slows those alone that listen to the same size.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What a camera sees, to those who look at it: `camera/<name>/@full` and `@small`."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from typing import Final, Protocol

@@ -1,7 +1,5 @@
 """The `giraff` command: its verbs in groups. A verb's module is imported when the verb is typed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, MutableMapping
 from importlib import import_module
 from typing import Annotated, Any, Final

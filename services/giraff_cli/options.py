@@ -1,7 +1,5 @@
 """Options that several commands have."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -83,7 +81,7 @@ def require_extra(verb: str, library: str, extras: str) -> None:
         raise typer.Exit(_REFUSED)
 
 
-def require_service(verb: str, service: Service, extras: str) -> None:
+def require_service(verb: str, service: "Service", extras: str) -> None:
     """End with the remedy where a library of the service is not installed. `extras`: beside its own."""
     for library in service.libraries:
         require_extra(verb, library, f"{extras},{service.extra}")

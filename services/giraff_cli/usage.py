@@ -1,7 +1,5 @@
 """The command line: its help as a terminal shows it, and what was typed wrong in one line, with the way out."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import sys

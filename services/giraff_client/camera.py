@@ -1,7 +1,5 @@
 """What a camera of the robot sees, in a script."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Why the robot does not do what a script asks. Each message names the cause and the way out."""
 
-from __future__ import annotations
-
 from giraff_core.motion.result import MotionResult
 from giraff_schemas.actions import SCRIPT
 from giraff_schemas.messages import Direction, DirectionLimit, EStop

@@ -1,7 +1,5 @@
 """Where a frame of the robot is in another, for a script, and the jump of `odom` that it may ask for."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Motions by metres and radians, from a script: giraff_motion drives, and the script holds on to it."""
 
-from __future__ import annotations
-
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Sequence

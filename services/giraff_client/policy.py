@@ -1,7 +1,5 @@
 """What a script asks of the robot, and what stands against it. No I/O and no clock: time is an argument."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

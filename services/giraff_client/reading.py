@@ -1,7 +1,5 @@
 """What a script reads of the robot: each sensor that it has, and each way that it may go. No I/O and no clock."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Final

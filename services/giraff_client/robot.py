@@ -1,7 +1,5 @@
 """`Robot`: reads what the robot says and drives it, from a script of one's own."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import secrets

@@ -4,8 +4,6 @@ Hosts are known by the common names of their certificates (`giraff keys`). Every
 rules: peers link directly, so a node without them is an open door.
 """
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import msgspec

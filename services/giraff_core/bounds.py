@@ -4,8 +4,6 @@ The ranges hold any robot on two driven wheels of 0.1 to 2 m, and far more. What
 radians, millimetres for metres, a digit too many.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import Final, NamedTuple, get_args, get_type_hints

@@ -1,7 +1,5 @@
 """Counters and time of the boards wrap at 32 bits, and start anew with the board. By them rest is told, too."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_schemas.messages import Wheels

@@ -4,8 +4,6 @@ Angles of the drawing grow counter-clockwise, as they pass a sensor while the di
 level. The outer ring is channel A, and the inner ring is channel B.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

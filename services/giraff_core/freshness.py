@@ -1,7 +1,5 @@
 """Freshness without synchronized clocks: how old a sample is, told by the robot's own ticks."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -4,8 +4,6 @@ A service's turn is written once. `giraff_node.Node` runs it as a process on Zen
 simulation runs the same turn on networks, cables and disks of its own, in simulated time.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
@@ -97,11 +95,11 @@ class Board(Selectable, Protocol):
         """How often the port was opened."""
         ...
 
-    def poll(self, now: float) -> Iterable[Frame]:
+    def poll(self, now: float) -> "Iterable[Frame]":
         """Keep the port open and return the frames that have arrived. `now`: monotonic, s."""
         ...
 
-    def send(self, frame: Frame) -> None:
+    def send(self, frame: "Frame") -> None:
         """Send `frame`; a newer one replaces it until the kernel has begun to take it."""
         ...
 
@@ -172,7 +170,7 @@ class IO(Protocol):
         """Tell whoever asks where the frame `child` is; of one that moves, by a call. None: it is not known now."""
         ...
 
-    def board(self, path: str, board: BoardType) -> Board: ...
+    def board(self, path: str, board: "BoardType") -> Board: ...
 
     def monotonic(self) -> float:
         """s; what turns are given."""

@@ -1,7 +1,5 @@
 """The newest of all that is heard of a robot, and which of its services are there. No clock, no network."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Final, Generic
 

@@ -1,7 +1,5 @@
 """The operator's side of the lease: which counter its commands carry, and why they may be refused."""
 
-from __future__ import annotations
-
 import re
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The configuration that is in force, in the one place from which all parts of a service read it."""
 
-from __future__ import annotations
-
 from typing import Generic, TypeVar
 
 import msgspec

@@ -1,7 +1,5 @@
 """Table `[network]` of the robot file."""
 
-from __future__ import annotations
-
 import ipaddress
 import re
 from collections.abc import Sequence

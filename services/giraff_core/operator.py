@@ -4,8 +4,6 @@ An operator's device is a `Hand`: it says what is asked now, and what was measur
 here, once: hearing the robot, asking for the lease, publishing, telling why the robot does not obey, the last words.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from typing import Final, NamedTuple, Protocol

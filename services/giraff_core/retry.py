@@ -1,7 +1,5 @@
 """A request that is repeated until it is answered, without ever blocking. No I/O here."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What several services know of the robot: the table `[robot]` of the robot file."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, ClassVar, Final
 

@@ -3,8 +3,6 @@
 `RobotConfig` has a table for each type.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Final, Literal

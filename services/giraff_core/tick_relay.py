@@ -1,7 +1,5 @@
 """The robot's clock on its way down to a board, and back up in the board's frames."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 from giraff_core.freshness import TickFilter

@@ -1,7 +1,5 @@
 """Fixed rates without bursts, and turns that need not wait for them."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The kinds of TOML files that people write or get. Each is recognized by the tables and fields that it alone has."""
 
-from __future__ import annotations
-
 from collections.abc import Container
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What may be done to a field of a configuration while its service runs. It stands beside the field."""
 
-from __future__ import annotations
-
 from enum import Enum
 from typing import Any, get_type_hints
 

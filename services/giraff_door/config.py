@@ -1,7 +1,5 @@
 """The table `[door]` of the robot file. Where it listens is in `[network]`."""
 
-from __future__ import annotations
-
 import msgspec
 
 

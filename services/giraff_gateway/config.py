@@ -1,7 +1,5 @@
 """The table `[gateway]` of the robot file."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import msgspec

@@ -1,7 +1,5 @@
 """Bytes of a serial port to lines of text, and back. No I/O and no clock."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterator

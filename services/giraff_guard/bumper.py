@@ -1,7 +1,5 @@
 """Bumpers as a sense of the guard: one that is pushed stops its way, until the robot has moved away from there."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 
@@ -98,7 +96,7 @@ class BumperSource:
                 return limits.block(switch.name, why)
         return None
 
-    def _of(self, way: DriveDirection) -> list[_Switch]:
+    def _of(self, way: DriveDirection) -> "list[_Switch]":
         return [switch for switch in self.names.values() if switch.way == way]
 
 

@@ -1,7 +1,5 @@
 """Table `[guard]` of the robot file."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Final
 

@@ -1,7 +1,5 @@
 """Whose commands flood the guard. They change no bound, and take the processor that others need."""
 
-from __future__ import annotations
-
 from collections import Counter
 from typing import Final
 

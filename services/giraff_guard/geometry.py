@@ -1,7 +1,5 @@
 """What a sensor looks at, and what the footprint sweeps."""
 
-from __future__ import annotations
-
 import math
 
 from giraff_core.kinematics.pose import Pose

@@ -1,7 +1,5 @@
 """Whose samples count: one base, and one ranger for each sensor."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import msgspec

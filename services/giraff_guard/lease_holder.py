@@ -1,7 +1,5 @@
 """Who drives: one operator at a time holds the lease, and only its own fresh commands count."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """How fast the robot may go towards something, and the verdicts that say so."""
 
-from __future__ import annotations
-
 from typing import Final, Literal
 
 from giraff_core.live import Live

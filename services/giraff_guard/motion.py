@@ -1,7 +1,5 @@
 """Where the robot has been in the last moments, and how it leaned: how far it came since a reading."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Final, NamedTuple
 

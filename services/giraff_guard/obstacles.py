@@ -1,7 +1,5 @@
 """Obstacles and blind directions: what ranges and wheels allow, and what is let through of a twist."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, Literal, NamedTuple
 

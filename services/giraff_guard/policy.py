@@ -1,7 +1,5 @@
 """The guard's whole policy. No I/O and no clock: time is an argument."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.live import Live

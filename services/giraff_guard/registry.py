@@ -1,7 +1,5 @@
 """The guard's senses, by the types of sensors that a robot file may have."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from giraff_core.live import Live

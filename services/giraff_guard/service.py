@@ -1,7 +1,5 @@
 """The guard: cmd_vel/<operator> + what its sensors say -> cmd_vel."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The part of the guard that sets a sensor up: how far it judges an obstacle to be."""
 
-from __future__ import annotations
-
 import math
 
 from giraff_core.live import Live

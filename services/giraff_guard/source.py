@@ -1,7 +1,5 @@
 """A sense of the guard: what it allows in a direction and why, and how blind it is."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, Protocol
 

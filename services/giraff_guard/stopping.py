@@ -1,7 +1,5 @@
 """How fast one may go towards an obstacle: reaction at constant speed, then constant deceleration, then the run-on."""
 
-from __future__ import annotations
-
 import math
 
 

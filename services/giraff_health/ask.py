@@ -4,8 +4,6 @@ It prints the whole answer of a service that is well, and what is wrong, a line 
 check, which must cost less, is wait.sh.
 """
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

@@ -1,7 +1,5 @@
 """The table `[joystick]` of the robot file."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import msgspec

@@ -8,8 +8,6 @@ What the thresholds stand on, beside those of `giraff_core.tilt.disturbance`:
   Arch Neurol 1982;39:358-362), and its slow wandering comes on top.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final

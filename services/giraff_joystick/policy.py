@@ -1,7 +1,5 @@
 """What the operator's hand asks of the robot, and when it is no hand that asks. No I/O and no clock."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The joystick: tilt in the hand to `cmd_vel/<operator>`."""
 
-from __future__ import annotations
-
 from giraff_core.io import IO
 from giraff_core.live import Live
 from giraff_core.operator import Fault, OperatorService, Wish

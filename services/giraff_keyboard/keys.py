@@ -4,8 +4,6 @@ A terminal sends no key releases and no times, only bytes: a paste, a torn escap
 process slept and a bouncing key look like presses. They are told by their company: a press comes alone.
 """
 
-from __future__ import annotations
-
 import math
 from enum import Enum, auto
 from typing import Final

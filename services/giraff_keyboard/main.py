@@ -1,7 +1,5 @@
 """giraff_keyboard: the process, in a terminal."""
 
-from __future__ import annotations
-
 import logging
 import os
 import sys

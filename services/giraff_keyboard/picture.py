@@ -1,7 +1,5 @@
 """What a person who drives sees at one moment, on 80 by 24 characters or wider. Nothing moves when a text grows."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What the keys ask of the robot. No I/O and no clock: time is an argument."""
 
-from __future__ import annotations
-
 import math
 from enum import Enum, auto
 from typing import Final

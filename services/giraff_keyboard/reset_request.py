@@ -4,8 +4,6 @@ A reset permits motion and never causes it; still, no stray byte, held key or pa
 two keys, neither of which repeats into the other, with time between them to read what is asked.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final, NamedTuple
 

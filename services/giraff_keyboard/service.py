@@ -1,7 +1,5 @@
 """The keyboard: keys pressed in a terminal to `cmd_vel/<operator>`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol
 

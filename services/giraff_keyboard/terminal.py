@@ -4,8 +4,6 @@ The picture is drawn in a thread of its own. It takes some ms, more on a slow ma
 holds it up for good: neither may make a key late, an emergency stop, or the end.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

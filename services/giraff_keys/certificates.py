@@ -1,7 +1,5 @@
 """A private certificate authority (CA) and certificates of hosts, as Zenoh's TLS takes them. No file and no clock."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta

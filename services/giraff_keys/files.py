@@ -1,7 +1,5 @@
 """Certificates and keys in their files: what is called how, and reading them with the likely cause of each trouble."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

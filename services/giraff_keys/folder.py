@@ -4,8 +4,6 @@ A folder is built under a hidden name and renamed when all of it is on disk. Wha
 cleared away by whoever next holds the folder around it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import fcntl

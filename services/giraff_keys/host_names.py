@@ -1,7 +1,5 @@
 """What a host may be called in a certificate: its own name, and the addresses at which others reach it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from ipaddress import IPv4Address, IPv6Address, ip_address

@@ -5,8 +5,6 @@ so that their errors do not average out. What odometry says of their uncertainty
 are drawn from.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
@@ -90,7 +88,7 @@ class Cloud:
         normed: Weights = weights / weights.sum()
         return normed
 
-    def learn_scales(self, other: Cloud) -> None:
+    def learn_scales(self, other: "Cloud") -> None:
         """Most take their scales from these: a robot that was lifted keeps its wheels."""
         chosen = self._random.choice(other.count, self.count, p=other.weights)
         keep = self._random.random(self.count) < _KNOWN
@@ -155,7 +153,7 @@ class Cloud:
         edges = (np.arange(count) + 0.5) / count
         return self.poses[:, np.searchsorted(np.cumsum(self.weights), edges).clip(0, self.count - 1)]
 
-    def join(self, other: Cloud, share: float) -> None:
+    def join(self, other: "Cloud", share: float) -> None:
         """Become a mixture: `share` of the other's."""
         count = max(self.count, other.count)
         theirs = max(1, round(count * share))

@@ -1,7 +1,5 @@
 """The places around which particles gather."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """The table `[localization]` of the robot file."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -5,8 +5,6 @@ the best one, and is dropped only when it explains less. It has a few particles 
 on by odometry drifts off and then explains less for that reason alone.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from typing import Final

@@ -5,8 +5,6 @@ D. Fox, W. Burgard, F. Dellaert, S. Thrun, Monte Carlo Localization: Efficient P
 AAAI 1999; here with the wheels' scales in each particle, and a judge of its own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 

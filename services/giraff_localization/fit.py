@@ -4,8 +4,6 @@ Likelihoods add up the map's small errors as if they were evidence: of two rooms
 many readings a place explains is the fair question.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Sequence
@@ -73,7 +71,7 @@ class Fit:
         self._nearer = self._nearer * fade + counts.nearer
         self._total = self._total * fade + counts.total
 
-    def copy(self) -> Fit:
+    def copy(self) -> "Fit":
         """One that goes on by itself."""
         return copy.copy(self)
 

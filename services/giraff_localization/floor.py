@@ -1,7 +1,5 @@
 """A floor plan as the filter needs it: where a robot can be, and what it would hear there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Final
 

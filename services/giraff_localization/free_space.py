@@ -1,7 +1,5 @@
 """Where on a floor plan a robot can be."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

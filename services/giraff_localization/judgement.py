@@ -6,8 +6,6 @@ equivalent place left. A place that somebody has told is `told` until then, for 
 contradicts it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple

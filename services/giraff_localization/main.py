@@ -1,7 +1,5 @@
 """giraff_localization: the process."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from giraff_localization.config import LocalizationConfig

@@ -4,8 +4,6 @@ What is to be computed is done in parts (`work`), so that nothing waits for it: 
 time, by the last update and by odometry since.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterator

@@ -5,8 +5,6 @@ sensor hears the nearest surface in its cone whose normal is not too far off its
 chance, and often by a detour.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Generator, Iterator

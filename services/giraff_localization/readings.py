@@ -1,7 +1,5 @@
 """What the sensors have heard since the last update, each where it was heard."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Mapping

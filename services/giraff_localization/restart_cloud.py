@@ -4,8 +4,6 @@ That is how the filter finds out that it was wrong, or that the robot was carrie
 last metres of readings fit, never at random everywhere.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final

@@ -4,8 +4,6 @@ It is followed in a frame of its own, in which the robot never jumps. A reading 
 was taken.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections import deque

@@ -1,7 +1,5 @@
 """A floor plan: walls as segments, whatever file they come from, and what none may be."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Final, NamedTuple

@@ -12,8 +12,6 @@ A pixel that is not opaque is unknown in every mode. (map_server reckons its opa
 by which transparent black is a wall.)
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from pathlib import Path
@@ -58,7 +56,7 @@ class GridFile(msgspec.Struct, frozen=True, kw_only=True):
 class Grid(NamedTuple):
     """Where something stands, in cells: the first row is the lowest, the first column the leftmost."""
 
-    occupied: Occupied
+    occupied: "Occupied"
     resolution: float
     """m"""
     origin: tuple[float, float, float]
@@ -127,7 +125,7 @@ def _require_sense(path: Path, said: GridFile) -> None:
         raise MapError(f"{path}: negate {said.negate} must be 0 or 1")
 
 
-def _open_image(path: Path, image_path: Path, resolution: float) -> Image.Image:
+def _open_image(path: Path, image_path: Path, resolution: float) -> "Image.Image":
     """Its pixels are read, and are not too many."""
     try:
         from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
@@ -167,7 +165,7 @@ def _require_size(path: Path, size: tuple[int, int], resolution: float) -> None:
         )
 
 
-def _occupied(path: Path, said: GridFile, image: Image.Image) -> Occupied:
+def _occupied(path: Path, said: GridFile, image: "Image.Image") -> "Occupied":
     """Which pixels are occupied; the first row is the topmost."""
     try:
         import numpy as np  # noqa: PLC0415

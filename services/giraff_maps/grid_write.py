@@ -4,8 +4,6 @@ Walls and posts are occupied, what can be reached from the room's start is free,
 and the inside of furniture.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections import deque

@@ -5,8 +5,6 @@ are straightened by Douglas and Peucker: a slanted wall gets one long segment th
 the sensor model depends. A wall as thin as a cell may become one line; it never vanishes.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import TYPE_CHECKING, Final
@@ -31,7 +29,7 @@ _MOVED: Final = 0.71  # cells; most by which a corner is moved
 _PARALLEL: Final = 0.2  # sine of the least angle between two sides that are prolonged until they meet
 
 
-def walls_of(grid: Grid) -> list[Wall]:
+def walls_of(grid: "Grid") -> list[Wall]:
     """m; in the map: no more than one outline beyond MOST_WALLS. Raises MapError where contourpy is missing."""
     walls: list[Wall] = []
     x, y, yaw = grid.origin
@@ -45,7 +43,7 @@ def walls_of(grid: Grid) -> list[Wall]:
     return walls
 
 
-def _outlines(occupied: NDArray[np.bool_]) -> list[Points]:
+def _outlines(occupied: "NDArray[np.bool_]") -> "list[Points]":
     """Closed lines, in cells from the lower left corner of the first one: the last point is the first again."""
     import numpy as np  # noqa: PLC0415
 
@@ -58,7 +56,7 @@ def _outlines(occupied: NDArray[np.bool_]) -> list[Points]:
     return [np.asarray(line, dtype=np.float64) - 0.5 for line in found]
 
 
-def _straightened(outline: Points) -> Points:
+def _straightened(outline: "Points") -> "Points":
     """The same with as few points as its shape needs, closed as before.
 
     Of a thin blob three: there and back again.
@@ -89,7 +87,7 @@ def _straightened(outline: Points) -> Points:
     return np.asarray(closed[kept]) if small else _fitted(closed, np.flatnonzero(kept))
 
 
-def _fitted(closed: Points, kept: NDArray[np.intp]) -> Points:
+def _fitted(closed: "Points", kept: "NDArray[np.intp]") -> "Points":
     """The corners of a straightened outline, each where the lines meet that fit its points best on either side."""
     import numpy as np  # noqa: PLC0415
 
@@ -107,7 +105,7 @@ def _fitted(closed: Points, kept: NDArray[np.intp]) -> Points:
     return np.vstack((corners, corners[:1]))
 
 
-def _line(points: Points) -> tuple[Points, Points]:
+def _line(points: "Points") -> "tuple[Points, Points]":
     """A point and the unit normal of the line that fits points best, but for those at its ends, which corners cut."""
     import numpy as np  # noqa: PLC0415
 
@@ -117,12 +115,12 @@ def _line(points: Points) -> tuple[Points, Points]:
     return middle, np.asarray(axes[:, 0])  # along which they are spread least
 
 
-def _squares(vectors: Points) -> Points:
+def _squares(vectors: "Points") -> "Points":
     squares: Points = (vectors * vectors).sum(axis=1)
     return squares
 
 
-def _off_line(points: Points, begin: Points, end: Points) -> Points:
+def _off_line(points: "Points", begin: "Points", end: "Points") -> "Points":
     """Distances of points from the segment between two others."""
     import numpy as np  # noqa: PLC0415
 

@@ -1,7 +1,5 @@
 """Reads a floor plan from whatever kind of file it is in."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -22,8 +22,6 @@ It is TOML, metres, with x to the east and y to the north:
     points = [[2.0, 0.0], [2.0, 5.0]]
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import tomllib

@@ -4,8 +4,6 @@ The file is looked through from record to record, without unpacking any. Where a
 on at the next chunk. The index at the end is used only when its checksum is right: then it names channels and counts.
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """What a recording says of where it is from."""
 
-from __future__ import annotations
-
 import platform
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version

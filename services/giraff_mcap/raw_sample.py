@@ -1,7 +1,5 @@
 """One sample as it came over the network, and how many of a key have come."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, NamedTuple

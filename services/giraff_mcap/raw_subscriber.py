@@ -4,8 +4,6 @@ One subscriber for all keys, and in its callback nothing but a clock and a queue
 many at once. Nothing is asked of the publishers, and nothing of them waits: what does not come through is dropped.
 """
 
-from __future__ import annotations
-
 import ctypes
 import itertools
 import os

@@ -14,8 +14,6 @@ Keys are those below the robot's name. A file that any other tool has written is
 and its topics are `giraff/<robot>/...`.
 """
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
 from collections.abc import Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Makes a whole recording of one that was cut off or damaged: with index, counts and an end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final

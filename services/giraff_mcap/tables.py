@@ -1,7 +1,5 @@
 """A table of the robot file, as it was when something was recorded."""
 
-from __future__ import annotations
-
 from typing import TypeVar
 
 import msgspec

@@ -1,7 +1,5 @@
 """What a reader of a recording could not read: damaged parts of the file, and messages that are none."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

@@ -5,8 +5,6 @@ Messages of the topics table are JSON, with their schema. Others are kept as the
 A chunk is closed and on disk with each `sync`: what ends this process or the machine costs what came after the last.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

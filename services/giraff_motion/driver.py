@@ -1,7 +1,5 @@
 """Brings the robot to the end of one piece of its way: a profile of speed, a stop in time, and a second try."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

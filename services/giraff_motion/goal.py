@@ -1,7 +1,5 @@
 """One motion, from its request to its end."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Final

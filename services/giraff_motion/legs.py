@@ -3,8 +3,6 @@
 So what one of them missed is made good by the next. Poses are m, m, rad in `odom`; a yaw counts whole turns.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Final, NamedTuple, Protocol

@@ -5,8 +5,6 @@ time, by a degree or two: what has become too much in total places the goal anew
 words, is no correction: it has taken the robot to be elsewhere, and what it says may be right or wrong. That ends it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple, TypeGuard
@@ -96,7 +94,7 @@ class Localized:
             return NO_TROUBLE
         return next(filter(None, (plan.free.fault(step.x, step.y) for step in steps if is_in_map(step))), NO_TROUBLE)
 
-    def placed(self, step: GoTo) -> Placed:
+    def placed(self, step: GoTo) -> "Placed":
         """A step in `map`. Raises ValueError where nothing was heard of it."""
         odom = self.odom
         goal = Pose(step.x, step.y, 0.0).seen_from(odom)
@@ -111,7 +109,7 @@ class Placed(NamedTuple):
     goal: GoTo
     """In `odom`."""
 
-    def correction(self, odom: Pose, robot: Pose) -> Correction:
+    def correction(self, odom: Pose, robot: Pose) -> "Correction":
         """Of what was known then, now that `odom` is there in `map`, and the robot in it."""
         moved = odom.seen_from(self.odom)
         points = (Pose(self.goal.x, self.goal.y, 0.0), robot)

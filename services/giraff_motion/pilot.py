@@ -1,7 +1,5 @@
 """Makes a goal of a request: within what the robot can do, and with what was learned of it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.bounds import Bounds

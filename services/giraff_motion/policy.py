@@ -4,8 +4,6 @@ It is an operator whose hand is the requester's: each command carries the tick t
 newer one. A requester that is gone stops the robot as a hand that is gone does, whatever goes on here.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

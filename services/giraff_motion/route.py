@@ -1,7 +1,5 @@
 """The way of one motion, piece by piece: a step in `map` is placed in `odom` when it begins."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from giraff_core.kinematics.pose import Pose

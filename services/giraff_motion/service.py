@@ -1,7 +1,5 @@
 """Motion: requests, `odom` and what the robot says of itself to `cmd_vel/<operator>` and `motion`."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.io import IO

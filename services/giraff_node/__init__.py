@@ -1,7 +1,5 @@
 """The runtime that each service runs on."""
 
-from __future__ import annotations
-
 import os
 import time
 from importlib import import_module

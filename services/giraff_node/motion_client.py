@@ -1,7 +1,5 @@
 """Asks giraff_motion for a motion, and holds on to it: `giraff_core.motion.requester` on the network."""
 
-from __future__ import annotations
-
 import contextlib
 import secrets
 import time

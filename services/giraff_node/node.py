@@ -4,8 +4,6 @@ with Node("guard", GuardConfig) as node:
     node.run(Guard(node, node.config, node.robot))
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket
@@ -201,7 +199,7 @@ class Node(Generic[ConfigT]):
             self._bulk.close()
         self._process.end(self.session, kind, error, trace)
 
-    def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT] | BulkPublisher[SampleT]:
+    def publisher(self, topic: Topic[SampleT]) -> "Publisher[SampleT] | BulkPublisher[SampleT]":
         self._process.condition.publishes.append(topic.key)
         if topic.qos == "bulk":
             from giraff_node.network.bulk_session import BulkPublisher, BulkSession  # noqa: PLC0415
@@ -286,7 +284,7 @@ class Node(Generic[ConfigT]):
     ) -> QueryClient[RequestT, AnswerT]:
         return QueryClient(self.session, self.robot.name, query, request, settles)
 
-    def board(self, path: str, board: BoardType) -> BoardLink:
+    def board(self, path: str, board: "BoardType") -> "BoardLink":
         from giraff_node.boards.board_link import BoardLink  # noqa: PLC0415
 
         self._boards.append(link := BoardLink(path, board))

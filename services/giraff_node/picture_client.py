@@ -3,8 +3,6 @@
 Pictures come over another link than ticks, commands and what the robot tells of itself, which do not wait for them.
 """
 
-from __future__ import annotations
-
 import secrets
 import threading
 import time

@@ -3,8 +3,6 @@
 Services stand above this package: what one is made of is imported by name.
 """
 
-from __future__ import annotations
-
 import gc
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The table `[odometry]` of the robot file. Track width and counts per metre are in `[robot]`."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -6,8 +6,6 @@ within one boot loses nothing of the wheels' travel, but the way between is take
 too, in proportion to that travel.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final

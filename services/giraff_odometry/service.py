@@ -1,7 +1,5 @@
 """Odometry: `wheels` to `odom`. Not in the chain that drives: losing it changes no motion."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.io import IO

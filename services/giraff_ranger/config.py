@@ -1,7 +1,5 @@
 """The table `[ranger]` of the robot file. Names, numbers and poses of the sensors are in `[robot]`."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import msgspec

@@ -1,7 +1,5 @@
 """What the frames of the ranger board say about each sensor of the robot."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.robot import RobotConfig

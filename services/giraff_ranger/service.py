@@ -1,7 +1,5 @@
 """The ranger: ultrasonic pings to `range/<sensor>`, switches to `bumper/<name>`."""
 
-from __future__ import annotations
-
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
 from giraff_ranger.config import RangerConfig

@@ -1,7 +1,5 @@
 """The table `[recorder]` of the robot file."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar
 
 import msgspec

@@ -1,7 +1,5 @@
 """giraff_recorder: everything that the robot says -> files of the moments that matter."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import closing, suppress

@@ -1,7 +1,5 @@
 """What the flight recorder remembers, what makes it write, and which files then go. No I/O, no clock."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
@@ -71,10 +69,10 @@ class Memory:
         kept = (sample for part in self._parts() for sample in part.samples)
         return sorted((sample for sample in kept if sample.at_ns > at_ns), key=lambda sample: sample.at_ns)
 
-    def _parts(self) -> list[_Part]:
+    def _parts(self) -> "list[_Part]":
         return [self._foreign, *self._own.values()]
 
-    def _part_of(self, sample: RawSample) -> _Part:
+    def _part_of(self, sample: RawSample) -> "_Part":
         row = row_of(sample.key)
         if row is None or len(sample.payload) > _LARGEST * row.size:
             return self._foreign

@@ -1,7 +1,5 @@
 """Whether a process of ROS is awake, by its answers to questions in Zenoh's admin space. No I/O and no clock."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final

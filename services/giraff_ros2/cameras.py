@@ -1,7 +1,5 @@
 """Shows ROS what the robot's cameras see, as long as a ROS program subscribes, and no longer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final, Protocol
 

@@ -1,7 +1,5 @@
 """The table `[ros2]` of the robot file."""
 
-from __future__ import annotations
-
 import re
 from typing import Annotated, ClassVar, Final, Literal
 

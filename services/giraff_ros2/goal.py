@@ -3,8 +3,6 @@
 No way around anything is planned. The robot turns to the goal, drives straight to it, and turns as the goal has it.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final
 

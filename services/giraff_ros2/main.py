@@ -1,7 +1,5 @@
 """giraff_ros2: the process."""
 
-from __future__ import annotations
-
 import gc
 import sys
 from collections.abc import Callable
@@ -44,7 +42,7 @@ def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> N
     from giraff_ros2.robot_in_ros import published  # noqa: PLC0415
     from giraff_ros2.service import Ros2  # noqa: PLC0415
 
-    def open_source(camera: str, by: str) -> PictureSource:
+    def open_source(camera: str, by: str) -> "PictureSource":
         return PictureClient(node.network, node.robot.name, camera, by)
 
     try:
@@ -59,7 +57,7 @@ def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> N
         node.run(service, prompt=True)
 
 
-def shell_lines(config: Ros2Config, way: RosSession) -> list[str]:
+def shell_lines(config: Ros2Config, way: "RosSession") -> list[str]:
     """Return what a shell must be told whose ROS programs are to meet this one."""
     lines = ["export RMW_IMPLEMENTATION=rmw_zenoh_cpp"]
     if config.domain:

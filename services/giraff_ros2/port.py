@@ -1,7 +1,5 @@
 """The service's way to ROS: `giraff_ros2.rmw` on a network, and a double in tests. No I/O here."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any, Final, NamedTuple, Protocol
 

@@ -1,7 +1,5 @@
 """Says to ROS what the robot says."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """The robot in ROS 2: what it says goes to ROS, and what ROS asks to guard, to base's emergency stop and to motion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final
 

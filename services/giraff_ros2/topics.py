@@ -1,7 +1,5 @@
 """The table of ROS topics: the only place where their names, types and QoS are written."""
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 
@@ -27,7 +25,7 @@ class RosTopic(NamedTuple):
     """As ROS writes it: `nav_msgs/msg/Odometry`."""
     qos: Qos = Qos()
 
-    def at(self, name: str) -> RosTopic:
+    def at(self, name: str) -> "RosTopic":
         """Return the row of one sensor or camera."""
         return self._replace(name=self.name.replace("*", name))
 

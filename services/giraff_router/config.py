@@ -1,7 +1,5 @@
 """The table `[router]` of the router host's robot file, which needs no other table."""
 
-from __future__ import annotations
-
 import ipaddress
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """The router's process: a Zenoh session in mode "router", and a log of who comes and goes."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

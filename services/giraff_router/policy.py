@@ -1,7 +1,5 @@
 """What the router asks of Zenoh so that it passes on what it may, and what it says of those who dial in."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

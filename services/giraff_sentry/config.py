@@ -1,7 +1,5 @@
 """The table `[sentry]` of the robot file. Who may do what is in `[network.access]`."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import msgspec

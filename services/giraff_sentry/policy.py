@@ -5,8 +5,6 @@ Zenoh 1.10 (zenoh/src/net/routing/interceptor/access_control.rs, io/zenoh-links/
 test with real sessions holds this to it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from typing import Final

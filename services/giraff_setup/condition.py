@@ -4,8 +4,6 @@ The last bits of a sum differ from processor to processor. One of them finds a s
 another one raises an error. A bound on the condition decides instead.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A simulated board: the real ELF on a simavr core, or the same C for this machine."""
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from collections.abc import Callable

@@ -4,8 +4,6 @@ Services sit on two machines, the robot's and the operator's, whose network and 
 given. `motion` runs where it is started. The same seed gives the same run, to the byte.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

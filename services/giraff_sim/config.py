@@ -1,7 +1,5 @@
 """The table `[sim]` of the robot file: what is true of every simulated robot and unknown of a real one."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

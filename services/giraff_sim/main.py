@@ -1,7 +1,5 @@
 """The simulated robot as a process: at the wall's pace, with a serial port a board and a control socket."""
 
-from __future__ import annotations
-
 import argparse
 import gc
 import json

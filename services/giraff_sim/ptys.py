@@ -1,7 +1,5 @@
 """A serial port for each board: a pseudo terminal behind a path that outlives it."""
 
-from __future__ import annotations
-
 import os
 import tty
 from contextlib import suppress

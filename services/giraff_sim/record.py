@@ -1,7 +1,5 @@
 """The black box: what the motors were given, by the millisecond, and what the base board says about it."""
 
-from __future__ import annotations
-
 from bisect import bisect_left, bisect_right
 from collections.abc import Mapping
 from itertools import pairwise

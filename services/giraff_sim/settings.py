@@ -1,7 +1,5 @@
 """What a simulated robot is made of: its configuration, its services, and where they run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final, NamedTuple
 

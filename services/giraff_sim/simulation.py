@@ -1,7 +1,5 @@
 """Boards and world, stepped together in simulated time: the same calls give the same bytes on every UART."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path

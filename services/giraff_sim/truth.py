@@ -4,8 +4,6 @@ Services know a robot by its file. No robot is its file: wheels are a little sma
 look aside. Nothing but the world reads a `Truth`, so that an error of the services' belief shows.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Annotated, Final, Literal

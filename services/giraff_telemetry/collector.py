@@ -1,7 +1,5 @@
 """What is heard of a robot, made into what a person wants to know. No clock, no network: both come in."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """A terminal that Rich draws on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from rich.console import Console, ConsoleOptions, RenderableType

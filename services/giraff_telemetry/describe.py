@@ -1,7 +1,5 @@
 """The state of a robot's parts in a word or two, for any screen."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """How a live view is laid out: blocks of rows below a heading, beside each other, where nothing moves or wraps."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final, Literal
 

@@ -1,7 +1,5 @@
 """What localization says, in words, and how much of the way it said what."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from typing import Final, get_args

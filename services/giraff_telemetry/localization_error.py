@@ -1,7 +1,5 @@
 """How far what localization says is from the truth on the map. SI units."""
 
-from __future__ import annotations
-
 import math
 from array import array
 from collections import deque
@@ -83,7 +81,7 @@ class LocalizationErrors:
             self._angles.append(angle)
 
 
-def _spread(errors: array[float]) -> Spread | None:
+def _spread(errors: "array[float]") -> Spread | None:
     if not errors:
         return None
     ordered = sorted(errors)

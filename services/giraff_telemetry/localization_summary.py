@@ -1,7 +1,5 @@
 """How well the robot knew where it was on the map, in numbers, over a whole drive."""
 
-from __future__ import annotations
-
 import math
 from textwrap import wrap
 from typing import Final

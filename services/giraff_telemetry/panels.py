@@ -1,7 +1,5 @@
 """The blocks of a live view that tell of any robot, simulated or not."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, Final

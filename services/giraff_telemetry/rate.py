@@ -1,7 +1,5 @@
 """What the samples of one key tell about its rate and its losses, and the ages of commands."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 from typing import Final
@@ -20,7 +18,7 @@ class Totals:
     took: float = 0.0
     """s in which they were made."""
 
-    def __add__(self, other: Totals) -> Totals:
+    def __add__(self, other: "Totals") -> "Totals":
         return Totals(self.lost + other.lost, self.made + other.made, self.took + other.took)
 
 

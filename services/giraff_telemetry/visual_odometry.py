@@ -1,7 +1,5 @@
 """How well a camera saw the robot's motion, beside the wheels and the truth. SI units where no field says otherwise."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter, deque
 from itertools import pairwise

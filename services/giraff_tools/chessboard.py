@@ -1,7 +1,5 @@
 """The chessboard that a camera is calibrated by, and its drawing for a sheet of A4."""
 
-from __future__ import annotations
-
 from typing import Final
 
 COLUMNS: Final = 9

@@ -1,7 +1,5 @@
 """What a command has found out, written into the robot file. Comments, order and everything else stay."""
 
-from __future__ import annotations
-
 import contextlib
 import datetime as dt
 import os

@@ -3,8 +3,6 @@
 Each function raises ValueError for the rest, with what to type instead.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import shlex

@@ -1,7 +1,5 @@
 """The colours of everything, so that a thing has the same one wherever it is drawn."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_schemas.localization import LocalizationState

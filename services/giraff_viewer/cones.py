@@ -1,7 +1,5 @@
 """What each ultrasonic sensor sees, and whether the robot may go there. No clock: the time comes in."""
 
-from __future__ import annotations
-
 from typing import Final, Literal
 
 from giraff_core.latest import FRESH

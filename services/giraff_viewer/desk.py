@@ -1,7 +1,5 @@
 """How the screen is laid out."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import rerun.blueprint as rrb

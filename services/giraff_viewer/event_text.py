@@ -1,7 +1,5 @@
 """What guard and base say, in words: a page for now, and a line of the log for each change."""
 
-from __future__ import annotations
-
 import re
 from typing import Final
 

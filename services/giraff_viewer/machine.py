@@ -3,8 +3,6 @@
 A window can do without a Vulkan driver.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import re

@@ -1,7 +1,5 @@
 """What a robot's cameras see, each picture with its age. Nothing is decoded: the viewer reads JPEG itself."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

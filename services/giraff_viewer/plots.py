@@ -1,7 +1,5 @@
 """The time series: which there are, their colours, and which sample feeds which."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Final, NamedTuple

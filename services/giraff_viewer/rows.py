@@ -1,7 +1,5 @@
 """What is sent to rerun: which thing at which path."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import rerun as rr

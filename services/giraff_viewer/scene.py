@@ -4,8 +4,6 @@ Frames are REP-105's, `map` → `odom` → `base_link` → `range_<sensor>_link`
 `floor` is `map` turned about x. Until localization tells where `odom` is in `map`, they are the same.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Any, Final

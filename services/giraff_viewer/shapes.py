@@ -1,7 +1,5 @@
 """Lines of the floor plan, in metres, each in its own frame (REP-103: x forward, y left)."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

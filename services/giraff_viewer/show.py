@@ -1,7 +1,5 @@
 """Where a scene is sent: to a window, to browsers, or into a file."""
 
-from __future__ import annotations
-
 import os
 import socket
 from pathlib import Path

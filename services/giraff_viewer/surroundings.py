@@ -1,7 +1,5 @@
 """What stands around the robot: where its sensors heard something, and the room of a simulated one."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import rerun as rr

@@ -1,7 +1,5 @@
 """Visual odometry: its path on the floor, and on the picture what it looks at."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from textwrap import wrap

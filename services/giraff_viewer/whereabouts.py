@@ -1,7 +1,5 @@
 """Where the robot is on the map, as localization has it: walls, particles, how sure it is, and where else it may be."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import rerun as rr

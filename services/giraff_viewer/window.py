@@ -1,7 +1,5 @@
 """The viewer's process: rerun's own program, in a process group of its own, which is ended as a whole."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

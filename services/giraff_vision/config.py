@@ -1,7 +1,5 @@
 """The table `[vision]` of the robot file."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 import msgspec

@@ -4,8 +4,6 @@ Pictures are straightened first, so that all pixels here are of a lens without d
 `base_link`. Both are arrays of (n, 2).
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Final
 

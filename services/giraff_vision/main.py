@@ -1,7 +1,5 @@
 """giraff_vision: the process."""
 
-from __future__ import annotations
-
 import sys
 from typing import Final
 

@@ -5,8 +5,6 @@ Consumer-grade Monocular Vision", 2005. Corners on the floor (Shi and Tomasi 199
 each later one (Lucas and Kanade 1981, in a pyramid), and their motion is told since the key picture.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final, NamedTuple
 

@@ -5,8 +5,6 @@ Where they do not, nobody can tell here which of the two is wrong: a dirty lens,
 robot, and wheels that slip look alike. So both are told, and neither is a measurement.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final, NamedTuple

@@ -1,7 +1,5 @@
 """Why a picture is no measurement."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

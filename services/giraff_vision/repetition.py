@@ -1,7 +1,5 @@
 """Tell whether a floor's pattern repeats. The picture alone then fits several motions, each a repetition apart."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import cv2

@@ -1,7 +1,5 @@
 """From places on the floor and where they are seen now to the motion of the robot that explains most of them."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

@@ -3,8 +3,6 @@
 It is one who looks at the camera, as long as its process runs: who starts it wants that. The camera says so to all.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -3,8 +3,6 @@
 A person switches it on at a page that may drive. Whatever ends it, it never comes back by itself.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What people call a browser's device: by what it says of itself, which is never trusted, and its address."""
 
-from __future__ import annotations
-
 import re
 from typing import Final
 

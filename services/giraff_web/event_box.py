@@ -1,7 +1,5 @@
 """What pages have said and the service's turn has not taken yet: bounded, whatever a page does."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterable
 from itertools import count

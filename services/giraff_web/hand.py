@@ -1,7 +1,5 @@
 """One page's hand: what its wishes ask, how old they are, and when it is lost. No I/O and no clock."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What one page, one address and all together may take of this service. No I/O and no clock."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """giraff_web: the process."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
@@ -103,7 +101,7 @@ def _open_at(node: Node[WebConfig]) -> WebConfig:
     return msgspec.structs.replace(config, address=config.address or "127.0.0.1") if node.network.local else config
 
 
-def _site(node: Node[WebConfig], config: WebConfig) -> Site:
+def _site(node: Node[WebConfig], config: WebConfig) -> "Site":
     """Raises CertificateProblemError."""
     from giraff_web.server import certificates  # noqa: PLC0415
     from giraff_web.server.server import Site  # noqa: PLC0415

@@ -4,8 +4,6 @@ Numbers of 64 bits travel as decimal strings, since a page's own numbers are exa
 page says each `Trouble` in its own words; where its `what` is empty, nothing is wrong.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Final, Literal
 
 import msgspec

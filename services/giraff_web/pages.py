@@ -1,7 +1,5 @@
 """The pages that are open, as the service's turn reaches them: `giraff_web.server` in a process, a list in a test."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple, Protocol
 

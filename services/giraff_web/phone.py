@@ -5,8 +5,6 @@ minimization"). So a frozen sensor and a phone that lies on a table look like a 
 stands for the hand instead.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

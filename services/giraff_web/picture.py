@@ -1,7 +1,5 @@
 """What all pages are shown: the newest of each kind, as long as it says something of now. No I/O and no clock."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final

@@ -1,7 +1,5 @@
 """Which page's hand drives, and what it asks. No I/O and no clock: time is an argument."""
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 from giraff_core.operator import ASKING, Fault, Hand, Operator, Wish

@@ -1,7 +1,5 @@
 """The pages: what their hands ask to `cmd_vel/<operator>`, and what the robot says to all of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final
 

@@ -4,8 +4,6 @@ A token is used once: who reads the address off a screen or out of a chat afterw
 used. What a browser holds from then on is a cookie; only its digest is kept here.
 """
 
-from __future__ import annotations
-
 import hashlib
 import hmac
 import math

@@ -5,8 +5,6 @@ on its way meanwhile: so such a stop stands until base was heard engaged when no
 base is heard released before, it is asked for.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final

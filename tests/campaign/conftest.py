@@ -1,7 +1,5 @@
 """`--tenth`: ten minutes of a campaign that takes hours, other ones each day."""
 
-from __future__ import annotations
-
 import datetime as dt
 import random
 import time

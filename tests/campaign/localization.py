@@ -3,8 +3,6 @@
 python -m tests.campaign.localization --kinds global,kidnapped --seeds 4 --first 0
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """A hundred approaches to a wall, and many by an arc, in simulated time."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.loop.approaches import OF_USE, approach, curve_before_a_smooth_wall

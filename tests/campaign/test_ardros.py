@@ -1,7 +1,5 @@
 """Twenty drawn Ardros robots on a drive of ten seconds each, and a hundred seeds of faults."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.dst.test_ardros import played

@@ -1,7 +1,5 @@
 """Twenty drawn robots that balance, each in every situation. Lengths in m, speeds in m/s, angles in degrees."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Final

@@ -1,7 +1,5 @@
 """Seeks the first seed in which each staged break is found: to be put into tests/dst/breaks.py when seeds change."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_sim.dst.scenarios import draw

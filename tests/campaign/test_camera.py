@@ -3,8 +3,6 @@
 And visual odometry by the simulated camera: ten metres on three floors, and scenes that may deceive it.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterator

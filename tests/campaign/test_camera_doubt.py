@@ -1,7 +1,5 @@
 """No sound wheels are doubted by a camera, on good floors and in scenes that may deceive it; half counts are."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Two thousand drives in which ultrasonic sensors go deaf, and an operator pushes on."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor

@@ -1,7 +1,5 @@
 """Two thousand seeds of the deterministic simulation."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from typing import Final

@@ -1,7 +1,5 @@
 """Ten million bytes at each serial link and a million payloads at each key: no crash, no motion, memory flat."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

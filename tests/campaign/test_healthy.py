@@ -1,7 +1,5 @@
 """Healthy robots whose boards must not stop them: more seeds than tests/sim has."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_sim.board import Implementation

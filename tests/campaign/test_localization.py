@@ -1,7 +1,5 @@
 """Drives through a flat and a room, looked for on their maps: how far off, how sure, and how often both are wrong."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from functools import cache

@@ -1,7 +1,5 @@
 """What a motion claims of its error, of two hundred drawn robots before and after their calibration."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

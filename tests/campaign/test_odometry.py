@@ -1,7 +1,5 @@
 """What odometry claims of its error, and what a tape makes of a robot, of two hundred drawn ones."""
 
-from __future__ import annotations
-
 import statistics
 
 import pytest

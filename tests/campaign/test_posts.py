@@ -1,7 +1,5 @@
 """Thin posts between and beside the cones, and somebody who pushes on: how many are touched, and how fast."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator
 

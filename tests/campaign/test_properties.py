@@ -1,7 +1,5 @@
 """What holds of any events, by a thousand random examples: `make test` tries few of them, and always the same."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final
 

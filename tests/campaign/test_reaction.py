@@ -1,7 +1,5 @@
 """How fast the guard stops, how seldom without cause, and how fast it lets go, with 5 % wild readings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """A thousand cluttered rooms, driven through by the verdicts alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -3,8 +3,6 @@
 Judged by the simulated world and by the robot's own samples.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Staged runs of the deterministic simulation that take long, and the same seeds in other processes."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_sim.dst.many import run_many

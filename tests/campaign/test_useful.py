@@ -1,7 +1,5 @@
 """How useful the robot is: what a change of the guard must not take from it."""
 
-from __future__ import annotations
-
 from tests.loop.useful import DEMO_SPEED, HALL_S, PASSED_S, RELEASE_MEDIAN_S, RELEASE_S, figures
 from tests.support.report import report
 

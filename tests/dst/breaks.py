@@ -1,7 +1,5 @@
 """Ways to break the robot that change what it does, and not what it says: each is to be found by the judge."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Faults for staged runs: each does one thing."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from random import Random

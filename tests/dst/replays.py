@@ -1,7 +1,5 @@
 """Old traffic that comes again, as TCP and serial buffers have been seen to do: staged, and nothing of it may move."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from random import Random

@@ -1,7 +1,5 @@
 """Policies with one rule broken each, and the services that go by them."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """Runs with a part for each: one room, one hand, and faults at given moments."""
 
-from __future__ import annotations
-
 from random import Random
 from typing import Final
 

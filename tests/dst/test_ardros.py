@@ -1,7 +1,5 @@
 """Faults of Ardros, whose motor driver obeys a servo pulse: up to 22 ms later than an H bridge obeys PWM."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

@@ -1,7 +1,5 @@
 """Sixteen ways to break what the robot does, each found by the judge in a drawn run."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_sim.dst.scenarios import draw

@@ -1,7 +1,5 @@
 """`giraff dst`: what it prints and ends with."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Iterator
 

@@ -1,7 +1,5 @@
 """The same seed is the same run, to the byte; in another process too, says `tests/campaign/test_staged.py`."""
 
-from __future__ import annotations
-
 from giraff_sim.dst.scenarios import draw
 from giraff_sim.dst.simulated_run import play
 from tests.dst.stage import SETTINGS

@@ -1,7 +1,5 @@
 """What starts again, comes twice or flickers, with the hand held forward all the time: nothing moves."""
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

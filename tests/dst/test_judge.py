@@ -3,8 +3,6 @@
 Where the fault alone is staged here, the same fault of a sound robot is in test_stops, test_doubles or test_replays.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from random import Random
 from types import SimpleNamespace

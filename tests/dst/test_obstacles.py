@@ -1,7 +1,5 @@
 """What counts as driving at something that was heard: that surface, not another one beside the body."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 

@@ -1,7 +1,5 @@
 """Old traffic that comes again moves no motor: a part of what `tests/campaign/test_staged.py` does."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.dst.replays import CLOCKS, hold_in_tcp, hold_in_the_serial_line, say_a_stream_again

@@ -1,7 +1,5 @@
 """Scenes that once broke a rule, found by seeds: the hand, the fault and the times that it takes, and no others."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

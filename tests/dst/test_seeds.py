@@ -1,7 +1,5 @@
 """Seeds that between them reach everything: no invariant is violated, in runs that really drive and really go wrong."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import pytest

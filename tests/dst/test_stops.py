@@ -1,7 +1,5 @@
 """Rows of the fault table in simulated time: with the hand as it was, PWM is zero within the bound."""
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 import pytest

@@ -1,7 +1,5 @@
 """The balancing robot's board on the bench: it is upright and still, and its wheels do not turn by themselves."""
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Final

@@ -1,7 +1,5 @@
 """A board on the bench: its serial line and its pins, millisecond by millisecond of simulated time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, TypeVar
 

@@ -1,7 +1,5 @@
 """A slave on the joystick's bus: a BNO055 that can fail in each way the board must notice."""
 
-from __future__ import annotations
-
 import struct
 
 from giraff_schemas.wire import TILT_LSB_PER_M_S2

@@ -1,7 +1,5 @@
 """The boards' C compiled for this machine: as it is, and in the variants that tests ask for."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Sequence
 from functools import cache

@@ -4,8 +4,6 @@ Usage: extremes.py LIBRARY SEED SESSIONS
 Prints how many sessions were opened, and in how many of them a motor got something.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 from collections.abc import Callable

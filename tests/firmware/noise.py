@@ -4,8 +4,6 @@ Usage: noise.py MILLISECONDS LIBRARY...
 Prints how many line errors each board has counted.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 from pathlib import Path

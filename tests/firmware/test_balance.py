@@ -1,7 +1,5 @@
 """What computes on the balancing robot's board: its filter, and when it stands, sits down and is off."""
 
-from __future__ import annotations
-
 import re
 from typing import Any, Final
 

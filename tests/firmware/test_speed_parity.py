@@ -1,7 +1,5 @@
 """The speed control's arithmetic: on the base board's processor it gives what it gives on this machine, in time."""
 
-from __future__ import annotations
-
 import random
 import struct
 from collections.abc import Iterator, Sequence

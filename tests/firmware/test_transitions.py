@@ -1,7 +1,5 @@
 """Each change of an encoder's two channels, as the base board tells it to the host that asks."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Which functional tests come to one worker, after each other (`--dist=loadfile`)."""
 
-from __future__ import annotations
-
 import importlib
 from typing import Any
 

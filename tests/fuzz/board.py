@@ -5,8 +5,6 @@ The base board has a sound host as well, which configures it, releases its latch
 is thrown at it in between meets a board that would drive.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 from pathlib import Path

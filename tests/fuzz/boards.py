@@ -1,7 +1,5 @@
 """Runs `board.py` for one board, under sanitizers."""
 
-from __future__ import annotations
-
 import os
 import sys
 

@@ -1,7 +1,5 @@
 """Whether a process's memory stays flat."""
 
-from __future__ import annotations
-
 import gc
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Fuzzes the host's side of each serial link: through a pseudo terminal into BoardLink, decoder and policy."""
 
-from __future__ import annotations
-
 import math
 import os
 import random

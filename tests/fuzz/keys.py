@@ -1,7 +1,5 @@
 """Fuzzes one key in the whole robot in one process: decoding, the policies behind it, the board's C behind them."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Fuzzes what is asked of a service's parameters, in the whole robot in one process."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

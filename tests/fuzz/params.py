@@ -1,7 +1,5 @@
 """The parameters of a robot that is shouted at: what may be asked of them, and that none has become looser."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import msgspec

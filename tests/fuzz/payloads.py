@@ -1,7 +1,5 @@
 """What may arrive on a key: samples that were true once, mutated, and everything that is none."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Sequence
 from typing import Any, Final

@@ -4,8 +4,6 @@ Whether memory stays flat shows only at length. One robot takes all keys in turn
 and after the last.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_sim.board import BUILD

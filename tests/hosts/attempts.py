@@ -1,7 +1,5 @@
 """Who tries what he may not, on a machine of the lab, and what has become of it so far."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time

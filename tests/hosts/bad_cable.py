@@ -4,8 +4,6 @@ KIND: of CABLES, each way. PID: a process in each machine's network. NAME: of th
 ends with its standard input. This machine's kernel may have no `netem`, which would do it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import fcntl

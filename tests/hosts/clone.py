@@ -1,7 +1,5 @@
 """A clone of the repository with its `.env`, as a technician makes one on each host."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Mapping

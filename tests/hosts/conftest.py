@@ -1,7 +1,5 @@
 """One lab for all tests of this folder, which takes longer to make than any of them; and what comes up in it first."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

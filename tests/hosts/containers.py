@@ -1,7 +1,5 @@
 """A container as its host's Docker tells of it, in the lab's own time."""
 
-from __future__ import annotations
-
 import re
 import time
 from datetime import datetime

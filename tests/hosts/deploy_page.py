@@ -1,7 +1,5 @@
 """docs/deploy.md, typed line by line on its three hosts."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress

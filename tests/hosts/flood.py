@@ -4,8 +4,6 @@ Prints {"open": connections that are open, "made": all that came about so far} a
 killed; the kinds `peers` and `leaves` come once.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import itertools

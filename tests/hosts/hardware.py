@@ -1,7 +1,5 @@
 """The robot and the joystick as things: one simulated world with the three boards, whose cables end in /dev."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import time

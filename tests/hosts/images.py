@@ -1,7 +1,5 @@
 """The project's images, built as a technician builds them, on stand-ins for what cannot be pulled. They are kept."""
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import json

@@ -5,8 +5,6 @@ service; from then on it says what that one would say to move the robot, at mome
 goes on counting; an empty line ends that. Prints a line of `Said` again and again.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import secrets

@@ -1,7 +1,5 @@
 """Three hosts on one machine: laptop, robot and desk, a switch between them, and the robot's boards beside them."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -6,8 +6,6 @@ A line a sample, {"at": s, "age": s, "sample": {...}}. The lab is one machine: `
 its one wall clock tells the age.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

@@ -4,8 +4,6 @@ It listens for SECONDS without looking and SECONDS looking, and prints what came
 the table `[network]`. The lab is one machine: its one CLOCK_BOOTTIME tells how old a tick is.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections import defaultdict

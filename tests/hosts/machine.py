@@ -1,7 +1,5 @@
 """A computer of the lab: namespaces of its own and a Docker daemon in them. Whatever runs on it ends with its power."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

@@ -4,8 +4,6 @@ Each host has a folder of sockets of its own, as computers have. The simulator r
 motors is the judge.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

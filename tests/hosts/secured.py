@@ -1,7 +1,5 @@
 """What a technician does to three hosts that are down, for a network with certificates."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -5,8 +5,6 @@ with the newest moment of the robot that it has heard; or as guard alone. Prints
 "links": their other ends} again and again.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import sys

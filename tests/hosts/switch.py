@@ -1,7 +1,5 @@
 """The network between the machines: one switch, and a cable to each."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

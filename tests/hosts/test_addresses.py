@@ -3,8 +3,6 @@
 No Docker. The simulator's record of the motors is the judge.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """The robot drives on over a slow link while somebody looks through its camera. No Docker."""
 
-from __future__ import annotations
-
 import json
 import statistics
 import subprocess

@@ -1,7 +1,5 @@
 """The compose file and each host's example .env, read by docker-compose 1.29 and by current Compose."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -3,8 +3,6 @@
 docs/network.md has the figures of more floods than are made here.
 """
 
-from __future__ import annotations
-
 import contextlib
 import datetime as dt
 import json

@@ -3,8 +3,6 @@
 The simulator's record of the motors is the judge.
 """
 
-from __future__ import annotations
-
 import datetime as dt
 import json
 from collections.abc import Iterator

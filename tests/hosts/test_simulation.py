@@ -1,7 +1,5 @@
 """A whole robot without hardware, docker-compose up on one host."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

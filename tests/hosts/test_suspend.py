@@ -1,7 +1,5 @@
 """A machine that was suspended, as its kernel shows it to a process."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

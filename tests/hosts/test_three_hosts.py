@@ -3,8 +3,6 @@
 Whether is asked here; how fast, in tests/timing/hosts.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

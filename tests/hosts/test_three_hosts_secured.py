@@ -1,7 +1,5 @@
 """Strangers on the switch of three hosts: an open network lets them in; with certificates they are nobody."""
 
-from __future__ import annotations
-
 import datetime as dt
 from collections.abc import Iterator
 from contextlib import ExitStack

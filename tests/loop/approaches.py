@@ -1,7 +1,5 @@
 """Driving at a wall, in simulated time: what an approach is, and what must hold of each."""
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Final

@@ -1,7 +1,5 @@
 """A drawn Ardros on a drive of ten seconds: what it does of what it is asked, and what odometry makes of it."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from typing import Final, NamedTuple

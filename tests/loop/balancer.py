@@ -1,7 +1,5 @@
 """A drawn robot that balances, with all its services, in rooms: tours, walls, and faults on the way."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Iterator

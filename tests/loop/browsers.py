@@ -1,7 +1,5 @@
 """Pages around the robot in simulated time: `giraff_web` itself, and browsers that do what its page does."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator

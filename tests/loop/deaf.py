@@ -3,8 +3,6 @@
 Usage: python -m tests.loop.deaf FROM TO: the drives of these seeds, those that break a bound, and a summary.
 """
 
-from __future__ import annotations
-
 import math
 import random
 import sys

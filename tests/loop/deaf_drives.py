@@ -1,7 +1,5 @@
 """What the drives with deaf sensors are drawn from: rooms, which sensors, and what the hand does until one is deaf."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """In the place of giraff_localization, on a machine of its own or the robot's: it says what it is told to say."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose

@@ -1,7 +1,5 @@
 """The whole robot in simulated time, for the tests here."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final

@@ -1,7 +1,5 @@
 """A motion around the robot in simulated time: who has asked for it, on the operator's machine, and its link."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import count

@@ -1,7 +1,5 @@
 """The demonstration and those it gives way to, around the robot in simulated time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Final, TypeVar

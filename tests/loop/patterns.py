@@ -1,7 +1,5 @@
 """2 m, 180°, 2 m, -180° through the whole robot, and where it truly is then."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

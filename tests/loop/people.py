@@ -1,7 +1,5 @@
 """What people have beside the joystick, around a robot in simulated time: a keyboard's terminal, a command line."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import msgspec

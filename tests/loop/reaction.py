@@ -1,7 +1,5 @@
 """Drives with wild readings, and people who step in front of the robot: what the guard makes of them, in figures."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Random cluttered rooms, and a driver who sees nothing of them but the guard's verdicts."""
 
-from __future__ import annotations
-
 import heapq
 import math
 import random

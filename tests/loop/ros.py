@@ -1,7 +1,5 @@
 """ROS around the robot in simulated time: `giraff_ros2` itself, and ROS programs that publish, freeze, wake and end."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterator
@@ -148,7 +146,7 @@ class _Programs:
 
     link = None
 
-    def __init__(self, ros: RosStage) -> None:
+    def __init__(self, ros: "RosStage") -> None:
         self._ros = ros
         self._fast, self._slow = self.timers = Timer(100.0), Timer(20.0)
 

@@ -3,8 +3,6 @@
 A part of what `tests/campaign/test_approaches.py` does.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.loop.approaches import OF_USE, approach, curve_before_a_smooth_wall

@@ -1,7 +1,5 @@
 """One drawn Ardros of the twenty that tests/campaign/test_ardros.py drives."""
 
-from __future__ import annotations
-
 from tests.loop.ardros import require_sound
 
 

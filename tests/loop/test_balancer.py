@@ -1,7 +1,5 @@
 """A robot that balances is driven by a hand. tests/campaign/test_balancer.py has the drawn ones."""
 
-from __future__ import annotations
-
 from tests.loop.balancer import against_wall, no_other_margin, tour
 from tests.loop.loops import closed_loop
 from tests.sim.robots import proving_room

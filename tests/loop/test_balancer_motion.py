@@ -1,7 +1,5 @@
 """A motion of a robot that balances through all of it, in simulated time. It sways while it stands."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """A robot that is driven against a wall says so by its bumper, and one without bumpers says nothing of them."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import msgspec

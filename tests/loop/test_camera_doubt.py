@@ -1,7 +1,5 @@
 """A robot both of whose encoders lose half of their counts. A camera sees it, judged by the truth of its world."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

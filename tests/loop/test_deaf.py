@@ -1,7 +1,5 @@
 """Drives with deaf sensors, in simulated time: a part of what tests/campaign/test_deaf.py does."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The demonstration of `giraff run` and who else drives, with the services themselves, in simulated time."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

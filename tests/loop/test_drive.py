@@ -1,7 +1,5 @@
 """Tilt in the hand to PWM in the firmware, through every policy, in simulated time."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import pytest

@@ -1,7 +1,5 @@
 """A motion of a robot whose encoders count to and fro while its wheels rest, in simulated time."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_schemas.motion import MotionMove

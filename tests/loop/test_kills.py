@@ -3,8 +3,6 @@
 What a restart of base and guard may do is in tests/dst/test_doubles.py.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold

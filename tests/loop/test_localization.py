@@ -1,7 +1,5 @@
 """Localization on drives through the simulated world, without boards: what tests/campaign does to many, once each."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final, NamedTuple

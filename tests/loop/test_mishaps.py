@@ -1,7 +1,5 @@
 """What happens to the joystick while the robot drives, in simulated time: from the mishap to PWM zero, and after it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """Motions through the whole robot, its firmware and its world, in simulated time."""
 
-from __future__ import annotations
-
 import math
 
 from giraff_schemas.motion import Move, Turn

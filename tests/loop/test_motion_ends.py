@@ -3,8 +3,6 @@
 The motors' record is the judge.
 """
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import pytest

@@ -1,7 +1,5 @@
 """A go to a point of the map through the whole robot, in simulated time: the motors' record is the judge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final, NamedTuple

@@ -1,7 +1,5 @@
 """Rows of the fault table while a motion moves the robot, in simulated time: the motors' record is the judge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Final, NamedTuple

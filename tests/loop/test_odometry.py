@@ -1,7 +1,5 @@
 """Odometry against the world's truth over a long mixed path, in simulated time, with true geometry."""
 
-from __future__ import annotations
-
 import math
 import statistics
 

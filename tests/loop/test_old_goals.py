@@ -1,7 +1,5 @@
 """A goal of rviz that was given long ago moves nothing, in simulated time: motors and pose are the judge."""
 
-from __future__ import annotations
-
 from tests.loop.ros import ros_stage
 
 

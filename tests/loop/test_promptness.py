@@ -1,7 +1,5 @@
 """No service waits for its own pace: from what a board says to what another is told, in simulated time."""
 
-from __future__ import annotations
-
 from collections import Counter
 from typing import Any, Final
 

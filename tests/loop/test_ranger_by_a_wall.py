@@ -1,7 +1,5 @@
 """Ultrasonic sensors by a wall, in simulated time: the services' own motions and pings, judged by the drawn truth."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

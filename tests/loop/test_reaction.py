@@ -1,7 +1,5 @@
 """Wild readings and people who step in, in simulated time: a part of what tests/campaign/test_reaction.py does."""
 
-from __future__ import annotations
-
 from tests.loop.reaction import drive, intrude
 
 DIPS = 0

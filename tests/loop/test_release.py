@@ -1,7 +1,5 @@
 """The space bar, and the keys r and y, of a keyboard beside others who stop the robot, with the services themselves."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_core.io import Inbox, PendingQuery

@@ -1,7 +1,5 @@
 """Cluttered rooms by verdicts alone, in simulated time: a part of what tests/campaign/test_rooms.py does."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.loop.rooms import crossings, has_way

@@ -1,7 +1,5 @@
 """ROS's `/cmd_vel`, stop and goals drive the robot as an operator, in simulated time: motors and pose are the judge."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final

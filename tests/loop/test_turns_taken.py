@@ -1,7 +1,5 @@
 """How often services turn, in simulated time: as often as something is to be done, and no more."""
 
-from __future__ import annotations
-
 from collections import Counter
 from functools import partial
 from typing import Any

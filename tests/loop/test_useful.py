@@ -1,7 +1,5 @@
 """How useful the robot is, in simulated time: a part of what tests/campaign/test_useful.py does."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.loop.useful import DEMO_SPEED, PASSED_S, RELEASE_S, demo_speed, hall, walks_off

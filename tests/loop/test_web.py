@@ -1,7 +1,5 @@
 """What pages are told of who drives and why the robot does not, in simulated time."""
 
-from __future__ import annotations
-
 from giraff_schemas.trouble import NO_TROUBLE
 from giraff_web.messages import State
 from tests.loop.browsers import Browser, room

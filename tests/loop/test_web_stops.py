@@ -1,8 +1,6 @@
 """What ends a page's hand stops the robot within the bound of a lost operator, in simulated time: the motors' record
 is the judge. And nothing of it goes on by itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

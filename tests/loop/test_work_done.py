@@ -3,8 +3,6 @@
 Each limit is about a tenth above the count when it was set.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """What the robot touches, how fast, and what its sensors have heard of it or would have: by the truth alone."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from enum import StrEnum

@@ -4,8 +4,6 @@ Usage: python -m tests.loop.useful [rooms FROM TO [--out FILE]]: prints the figu
 as JSON; with `rooms` what each of these rooms takes, by seed, so that two guards can be compared room by room.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

@@ -1,7 +1,5 @@
 """Which mutants are tried, and what became of them."""
 
-from __future__ import annotations
-
 import random
 from typing import Final
 

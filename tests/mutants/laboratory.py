@@ -3,8 +3,6 @@
 `mutants.toml` lists the rules, how each is broken and who notices. The tree itself is never touched.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -1,7 +1,5 @@
 """Each rule broken once: the test that is named for it fails, and passes with the rule whole."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.mutants.laboratory import Laboratory, Mutant

@@ -1,7 +1,5 @@
 """Tests by their node ids, looked up without running or importing anything."""
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

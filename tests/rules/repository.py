@@ -1,7 +1,5 @@
 """The repository as the rules see it: its files, its packages, its declared dependencies."""
 
-from __future__ import annotations
-
 import tomllib
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The picture of docs/structure.md: packages in their layers, and which imports which, drawn from the sources."""
 
-from __future__ import annotations
-
 import tomllib
 from html import escape
 from typing import Final, NamedTuple

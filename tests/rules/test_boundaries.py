@@ -1,7 +1,5 @@
 """Who may import whom. The contracts are in imports.toml; these tests run them and try to break them."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

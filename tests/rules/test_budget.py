@@ -1,7 +1,5 @@
 """tests/budget.toml: its rows stay within what was reached, and whoever exceeds one is told plainly."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

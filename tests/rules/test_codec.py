@@ -1,7 +1,5 @@
 """Each committed codec is what its header gives."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Docstrings that begin with a clause or a fragment become fewer: an editor shows one without its neighbours."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from typing import Final

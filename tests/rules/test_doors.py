@@ -1,7 +1,5 @@
 """docs/freshness.md lists every door to motion, each with the rule that proves the age of what comes through it."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from typing import Final

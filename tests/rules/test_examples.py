@@ -1,7 +1,5 @@
 """The examples of the Python client are short: whoever reads one sees all of it at once."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A recording's format number changes with the samples: no reader takes those of another format for its own."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterator, Sequence
 from types import GenericAlias

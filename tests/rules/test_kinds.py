@@ -1,7 +1,5 @@
 """A kind of drive is one word: for its folders, its tag in the robot file, and the test of its contract."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every field of a service's configuration says what may be done to it while the service runs, and so it is."""
 
-from __future__ import annotations
-
 import gc
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The locks pin everything pyproject.toml asks for, by hash, and say nothing of where it comes from."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable

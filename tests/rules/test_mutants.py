@@ -1,7 +1,5 @@
 """The list of mutants is one that `make mutants` can try."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

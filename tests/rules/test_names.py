@@ -3,8 +3,6 @@
 A definition, a field, an attribute or an alias counts; a parameter or a local variable may be called as reads best.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections import Counter

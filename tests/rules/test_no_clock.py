@@ -4,8 +4,6 @@ So it takes as long on a busy machine as it has work, and never fails by that. R
 CONTRIBUTING.md.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

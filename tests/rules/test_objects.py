@@ -1,7 +1,5 @@
 """No object of the boards' C needs a symbol of one that needs its own, not even by way of others."""
 
-from __future__ import annotations
-
 import re
 from itertools import chain
 from typing import Final

@@ -1,8 +1,6 @@
 """A policy does no I/O and reads no clock: time, samples and frames come in as arguments. Nor does a turn: all that
 reaches it and leaves it does so through its `IO`."""
 
-from __future__ import annotations
-
 import ast
 import sys
 

@@ -4,8 +4,6 @@ Answers have the question's key, and by default Zenoh keeps the last answer of a
 answer to one key, too: in the product each question is asked so, whatever its key.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 

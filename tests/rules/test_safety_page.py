@@ -1,7 +1,5 @@
 """The fault table that people read is the one that is tested, with the figures that were measured."""
 
-from __future__ import annotations
-
 import re
 
 from tests.dst.test_stops import ROWS

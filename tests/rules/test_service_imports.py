@@ -1,7 +1,5 @@
 """A service of the robot imports what it runs on and no more: each module takes time at a start, and memory."""
 
-from __future__ import annotations
-
 import sys
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Whatever else names the services agrees with their table: sources, deployment, robot file, simulation."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections import Counter

@@ -1,7 +1,5 @@
 """What no file of the repository may hold, be called or grow to."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -3,8 +3,6 @@
 `GIRAFF_WRITE_DOCS=1 pytest tests/rules/test_structure.py` draws the picture anew.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections import Counter

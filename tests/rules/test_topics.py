@@ -1,7 +1,5 @@
 """The topics table is complete, and the only place where a key is written."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """No program takes apart what another one says: it compares a trouble, or reads its action."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A service's turn is written once: its process and the simulation run the same class of its `service.py`."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A verb of `giraff` imports what it needs: every module delays each command that a person types."""
 
-from __future__ import annotations
-
 import sys
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Only giraff_viewer imports rerun, and that is imported only where somebody has asked to see: nobody else needs it."""
 
-from __future__ import annotations
-
 import ast
 import re
 import sys

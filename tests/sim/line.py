@@ -1,7 +1,5 @@
 """The host's end of a board's UART, in simulated time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """What is asked of the world of a robot that balances, and how it is judged. No board runs here."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A bumper is pushed by what touches its half of the robot's true disc, and its wire can be cut."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

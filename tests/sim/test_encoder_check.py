@@ -1,7 +1,5 @@
 """`giraff check encoders` on the real firmware: it finds what is wrong with the disks that the world was given."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

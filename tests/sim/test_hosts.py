@@ -1,7 +1,5 @@
 """The machines of the simulation: clocks, agenda, cables and processes do what Linux and the real loops do."""
 
-from __future__ import annotations
-
 from functools import partial
 from random import Random
 from typing import Any

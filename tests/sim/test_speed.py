@@ -1,7 +1,5 @@
 """The base board's speed control on the simulated robot: what it holds, and that it holds no healthy robot."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The closed loop of speeds on the board's processor drives as it does on this machine, and leaves edges their time."""
 
-from __future__ import annotations
-
 import random
 
 import msgspec

@@ -1,7 +1,5 @@
 """A robot that is not as its file says: what the world makes of it, and what services are told."""
 
-from __future__ import annotations
-
 import math
 import statistics
 

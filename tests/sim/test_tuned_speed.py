@@ -1,7 +1,5 @@
 """Gains that `giraff tune speed` finds, on robots whose robot file has others. The true wheels judge them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager

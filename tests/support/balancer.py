@@ -1,7 +1,5 @@
 """A robot that balances on the bench: its board, its simulated body, a host and a person."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple

@@ -1,7 +1,5 @@
 """What is done to a drawn robot that balances, and what it then may do: rows of tests."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from functools import partial

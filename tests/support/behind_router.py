@@ -1,7 +1,5 @@
 """A router between sites: its process, and hosts behind it, each with a certificate, a robot file and a session."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

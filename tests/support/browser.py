@@ -14,8 +14,6 @@ What was found of Chromium 156, and why things are as they are here:
   called: as a phone that has left the network. What waits is delivered once it is back.
 """
 
-from __future__ import annotations
-
 import base64
 import math
 import os

@@ -4,8 +4,6 @@ Simulated seconds, robots, processes, windows, pictures and drawn examples are c
 same on every machine, busy or not. Processor time, which plain computing takes too, is compared with a loop's.
 """
 
-from __future__ import annotations
-
 import subprocess
 import tomllib
 from collections import Counter

@@ -1,7 +1,5 @@
 """The network between the operator's host and the robot's, as a TCP proxy that can do what networks do."""
 
-from __future__ import annotations
-
 import contextlib
 import queue
 import socket

@@ -3,8 +3,6 @@
 The lens is the plumb-bob model, written down again, so that an error of it in the product would show.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Any, NamedTuple

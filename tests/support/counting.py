@@ -1,7 +1,5 @@
 """Counts what tests cost in units that are the same on every machine: see tests/support/budget.py."""
 
-from __future__ import annotations
-
 import threading
 from collections import Counter
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The `giraff` command as somebody at a desk calls it: another process, which knows the network and no robot file."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -32,11 +30,11 @@ class Desk:
         self.rendezvous = rendezvous
         self._robot = robot
 
-    def unnamed(self) -> Desk:
+    def unnamed(self) -> "Desk":
         """The same network, with no robot named."""
         return Desk(self.directory, self.rendezvous)
 
-    def alone(self) -> Desk:
+    def alone(self) -> "Desk":
         """A network on which nobody is."""
         return Desk(self.directory, f"127.0.0.1:{free_port()}")
 

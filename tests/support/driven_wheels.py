@@ -1,7 +1,5 @@
 """Two wheels that a model of their motors turns, and a drive of them as base publishes it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Final

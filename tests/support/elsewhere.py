@@ -1,7 +1,5 @@
 """The `giraff` command on any machine: no robot file is at hand, and one endpoint is known."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

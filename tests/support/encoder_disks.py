@@ -1,7 +1,5 @@
 """Encoder disks as two sensors see them, and the changes that they give while they turn."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Collection, Iterator
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Where the examples of `giraff_client` stand, the first one of its page, and a hall for them to drive in."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_sim.board import ROOT

@@ -1,7 +1,5 @@
 """Drives before the simulated camera: pictures as the robot has them, true poses, and what the wheels say."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple

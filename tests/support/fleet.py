@@ -1,7 +1,5 @@
 """Two robots at two sites, and those who drive and watch them from a third: sessions, with a router between them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import count

@@ -1,7 +1,5 @@
 """Operators that speak ten thousand times a second, in simulated time."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import msgspec

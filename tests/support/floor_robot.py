@@ -4,8 +4,6 @@ Body, wheels and encoders are the simulator's. What the floor adds at random is 
 each metre. Who pilots it goes by no odometry but by its counts and the robot file, as a person goes by the eye.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Final

@@ -1,7 +1,5 @@
 """JPEGs that no camera sends, made of the segments of one that any camera may send."""
 
-from __future__ import annotations
-
 import struct
 
 import cv2

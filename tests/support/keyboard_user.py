@@ -1,7 +1,5 @@
 """The keyboard service, or `giraff drive`, in a terminal of its own, and somebody who types."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Iterator

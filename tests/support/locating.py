@@ -1,7 +1,5 @@
 """In the place of giraff_localization, beside a real robot: it knows where the robot is, by odometry alone."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager

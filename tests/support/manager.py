@@ -1,7 +1,5 @@
 """Somebody to notify, in systemd's place."""
 
-from __future__ import annotations
-
 import socket
 
 

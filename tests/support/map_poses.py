@@ -1,7 +1,5 @@
 """What giraff_localization says of a robot, as a test has it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose

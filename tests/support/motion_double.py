@@ -1,7 +1,5 @@
 """In the place of giraff_motion and its robot, on a network of one process: it says what it is told to say."""
 
-from __future__ import annotations
-
 from itertools import count
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A camera at a Unix socket, as the simulated one is. It sees a pattern and noise, which move."""
 
-from __future__ import annotations
-
 import socket
 import threading
 import time

@@ -1,7 +1,5 @@
 """Throws payloads at each key of a robot of real processes, over the real network layer."""
 
-from __future__ import annotations
-
 import random
 import time
 from typing import Any, Final

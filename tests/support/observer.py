@@ -1,7 +1,5 @@
 """A listener beside the robot: the newest sample of each key, and a hand on the network for what tests put there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -3,8 +3,6 @@
 `Session` stands in the place of Zenoh's as far as commands use it, `Clock` in the place of the module `time`.
 """
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -83,7 +81,7 @@ class Declared:
 
     key: str
     call: Callable[[Any], Any]
-    among: list[Declared] = field(repr=False)
+    among: "list[Declared]" = field(repr=False)
 
     def undeclare(self) -> None:
         self.among.remove(self)
@@ -93,7 +91,7 @@ class Declared:
 class Publisher:
     """Of a session, on one key."""
 
-    session: Session
+    session: "Session"
     key: str
     encoding: str
 

@@ -1,7 +1,5 @@
 """The whole robot as it really runs: simulator and services as processes of their own, on a loopback of their own."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

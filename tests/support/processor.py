@@ -4,8 +4,6 @@ A short loop is timed beside the tests, in the same process: where it takes twic
 machine therefore takes as many of these seconds as a fast one.
 """
 
-from __future__ import annotations
-
 import os
 import time
 from collections import deque

@@ -1,7 +1,5 @@
 """`giraff record` and `giraff play` beside a running robot, and who hears what is played."""
 
-from __future__ import annotations
-
 import json
 import random
 import subprocess

@@ -1,7 +1,5 @@
 """A robot of processes at one site and its joystick's at another, or at the same, also with a router between them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

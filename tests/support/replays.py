@@ -1,7 +1,5 @@
 """What was said on the network while the robot drove, and saying it again, byte for byte, when it is old."""
 
-from __future__ import annotations
-
 import time
 from typing import NamedTuple
 

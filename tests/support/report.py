@@ -1,7 +1,5 @@
 """The figures of a long run: a small table on the terminal, JSON in build/."""
 
-from __future__ import annotations
-
 import datetime as dt
 import json
 import platform

@@ -1,7 +1,5 @@
 """`giraff run` as a process, for a robot that nobody else is called like, and all of its processes."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import secrets

@@ -1,7 +1,5 @@
 """A robot on a secured network, and its hosts: a certificate for each, and what each may do."""
 
-from __future__ import annotations
-
 import datetime as dt
 from pathlib import Path
 from typing import Final

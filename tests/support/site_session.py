@@ -1,7 +1,5 @@
 """A process with one plain Giraff session, which does what its parent says: a JSON line in, a JSON line out."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """Networks with no route between them, on one machine: a namespace for each site and one for the router's host."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import time

@@ -1,7 +1,5 @@
 """A robot that says what a test makes it say: a session of its own, beside the real one."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager

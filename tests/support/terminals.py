@@ -1,7 +1,5 @@
 """A program in a terminal of its own, with somebody who types and reads what it shows."""
 
-from __future__ import annotations
-
 import codecs
 import os
 import pty

@@ -3,8 +3,6 @@
 Nothing of a robot is run here; tests of real processes start theirs themselves.
 """
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A service's process within a test: its loop and its turns, without a session."""
 
-from __future__ import annotations
-
 import contextlib
 import signal
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Visual odometry on filmed drives, compared with the truth."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import time

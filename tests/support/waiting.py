@@ -1,7 +1,5 @@
 """Waiting for what takes its time, and no longer than it may."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The page of giraff_web, as whoever holds the device uses it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final, Literal

@@ -1,7 +1,5 @@
 """A web server with a service that answers it as the real one does, and browsers that are aiohttp's client."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import socket

@@ -8,8 +8,6 @@ tests/functional/one_robot/test_any_command.py. Services are never forked.
 Run as a program, this module is the zygote. Then it imports nothing of the tests.
 """
 
-from __future__ import annotations
-
 import atexit
 import ctypes
 import gc

@@ -3,8 +3,6 @@
 Usage: python -m tests.timing.fault_table: writes the page's table anew, as after a change of the scenarios.
 """
 
-from __future__ import annotations
-
 import datetime as dt
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final

@@ -1,7 +1,5 @@
 """What can break in a robot of processes, and what a row of the fault table is made of."""
 
-from __future__ import annotations
-
 import resource
 import signal
 import subprocess

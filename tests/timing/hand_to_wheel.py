@@ -4,8 +4,6 @@ Moments of the hand and of the motors are the simulator's own. Samples have the 
 share, and which `wall_clock_offset_us` takes to simulated time.
 """
 
-from __future__ import annotations
-
 import random
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The fault table, a row a scenario."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_sim.world.bno055 import Bno055Fault

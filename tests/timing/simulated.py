@@ -1,7 +1,5 @@
 """Which rows of the fault table are judged in simulated time, too, in `make test`."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from tests.timing.faults import MOVING, Scenario

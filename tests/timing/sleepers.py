@@ -1,7 +1,5 @@
 """Whether the machine itself stalled: on each processor a process that only sleeps, and tells of oversleeping."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -5,8 +5,6 @@ sleep, on each processor one. No other failure is tried again, and a machine tha
 run: it proves nothing. It serves tests/timing, in one process: `pytest -p tests.timing.stalled tests/timing`.
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Generator, Iterator

@@ -1,7 +1,5 @@
 """Real processes and the AVR firmware drive at a wall."""
 
-from __future__ import annotations
-
 import math
 import random
 import time

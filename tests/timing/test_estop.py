@@ -1,7 +1,5 @@
 """How soon the motors are off when base has confirmed an emergency stop from another machine."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

@@ -4,8 +4,6 @@ When every row has kept its promise, docs/fault-table.toml and the table of docs
 environment: how many of each row, 1 if not told.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import subprocess

@@ -1,7 +1,5 @@
 """Two thousand commands a second of a stranger beside a driving robot: it stops in time, and says whose they are."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """How soon the wheels do what the hand does, with what ships, and what the robot's side works for it."""
 
-from __future__ import annotations
-
 import random
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How soon the robot stops when a key, a keyboard or its process is let go."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

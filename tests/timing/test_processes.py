@@ -1,7 +1,5 @@
 """How soon a process does what tests/functional asks of it: its end, and what is told of one that hangs."""
 
-from __future__ import annotations
-
 import signal
 import threading
 import time

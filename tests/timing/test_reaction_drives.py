@@ -1,7 +1,5 @@
 """Ten drives at an obstacle that appears, with real processes and the real firmware, one reading in twenty wild."""
 
-from __future__ import annotations
-
 import random
 import time
 from pathlib import Path

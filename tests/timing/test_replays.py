@@ -1,7 +1,5 @@
 """A recorded command stream said again, late: not one stale command reaches the board."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

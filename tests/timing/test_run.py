@@ -1,7 +1,5 @@
 """`giraff run` by the clock: its pace, the rates of its topics, and how soon nothing of it is left."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How soon a replugged base board is driven again."""
 
-from __future__ import annotations
-
 import statistics
 import time
 from pathlib import Path

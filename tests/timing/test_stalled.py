@@ -1,7 +1,5 @@
 """A failure that the wall clock judged is tried again where the machine stood still, once, and no other one ever."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What `giraff watch` costs, how often it tells, and how soon it ends."""
 
-from __future__ import annotations
-
 import signal
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """One scenario on a robot of processes, judged by the simulator's black box in the board's own time."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping

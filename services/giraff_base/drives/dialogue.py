@@ -1,7 +1,5 @@
 """The part of a drive that is alike for each firmware of base's board: the session, the latch and its release."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from enum import IntEnum
 from functools import lru_cache

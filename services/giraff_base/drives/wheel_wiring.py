@@ -1,7 +1,5 @@
 """How motors and encoders are soldered: fields of `[base.drive]` that each kind on two wheels has."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Final
 
 import msgspec

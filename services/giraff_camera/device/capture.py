@@ -1,7 +1,5 @@
 """A camera in a thread of its own: the newest picture, and why there is none."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable

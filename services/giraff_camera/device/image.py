@@ -3,8 +3,6 @@
 OpenCV has one thread here, and no wait that never ends.
 """
 
-from __future__ import annotations
-
 import os
 from typing import NamedTuple, Protocol
 

@@ -1,7 +1,5 @@
 """Opens the camera at a path, or says why that cannot be."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import os

@@ -4,8 +4,6 @@ The reader sends one JSON line, a `Wanted`. The camera then sends pictures for a
 line, a `Header`, and after it `height * width * channels` bytes, row by row.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 import msgspec

@@ -1,7 +1,5 @@
 """The simulated camera, at its Unix socket."""
 
-from __future__ import annotations
-
 import io
 import socket
 import time

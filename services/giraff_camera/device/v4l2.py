@@ -1,7 +1,5 @@
 """A camera of the kernel's, by OpenCV."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from pathlib import Path

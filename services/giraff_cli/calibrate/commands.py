@@ -1,7 +1,5 @@
 """The verbs of `giraff calibrate`. What they do is imported when it is asked for."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Hears of a robot's cameras."""
 
-from __future__ import annotations
-
 import time
 from typing import Final
 

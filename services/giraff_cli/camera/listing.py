@@ -1,7 +1,5 @@
 """`giraff camera list`: which cameras a robot has, and who sees what they see."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

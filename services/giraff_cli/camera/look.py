@@ -1,7 +1,5 @@
 """`giraff camera view`: what a camera of the robot sees, in a window or a file."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path

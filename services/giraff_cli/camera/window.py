@@ -1,7 +1,5 @@
 """The window of `giraff camera view`."""
 
-from __future__ import annotations
-
 import math
 import os
 import sys

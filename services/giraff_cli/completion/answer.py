@@ -1,7 +1,5 @@
 """Answers a shell that asks what a word of a command line can become. It prints nothing else and raises nothing."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import re

@@ -4,8 +4,6 @@
 A line of a tab and `file` asks the shell for its own files. No candidate is ever run or expanded by a shell.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Final, Literal
 
 import typer

@@ -1,7 +1,5 @@
 """What a robot has, for a shell: by its own word, or by the tables of this program where no robot answers."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable, Sequence
 from importlib import import_module

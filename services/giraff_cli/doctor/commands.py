@@ -1,7 +1,5 @@
 """The words and options of `giraff doctor`."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

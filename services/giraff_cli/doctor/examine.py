@@ -1,7 +1,5 @@
 """`giraff doctor`: looks at this machine, its network and a robot, and tells what is wrong."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Sequence

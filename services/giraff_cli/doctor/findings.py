@@ -1,7 +1,5 @@
 """What is wrong with a robot and its machines, each with its way out: facts in, findings out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Final, Literal
 

@@ -1,7 +1,5 @@
 """What `giraff doctor` has looked at: plain facts, from which `findings` concludes."""
 
-from __future__ import annotations
-
 from typing import Any, Final, Literal
 
 import msgspec

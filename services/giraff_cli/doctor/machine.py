@@ -1,7 +1,5 @@
 """Looks at this machine: its networks, disks and keys, and the boards of services that do not run."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket

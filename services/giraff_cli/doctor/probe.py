@@ -1,7 +1,5 @@
 """Calls the addresses by which a robot should be reached, without Zenoh, which would not say why nobody comes."""
 
-from __future__ import annotations
-
 import errno
 import re
 import socket

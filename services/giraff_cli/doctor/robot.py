@@ -1,7 +1,5 @@
 """Listens to one robot for a moment, and asks each of its services how it is."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable
 from contextlib import suppress

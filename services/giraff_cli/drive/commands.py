@@ -1,7 +1,5 @@
 """The options of `giraff drive`. What it does is imported when it is asked for."""
 
-from __future__ import annotations
-
 import typer
 
 from giraff_cli.options import Connect, Robot

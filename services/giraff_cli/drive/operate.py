@@ -1,7 +1,5 @@
 """`giraff drive`: finds the robot, asks it for its limits, and is giraff_keyboard without a robot file."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The options of `giraff dst`. What it does is imported when it is asked for."""
 
-from __future__ import annotations
-
 import os
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`giraff dst`: deterministic simulation of the command path, and the event log of each seed that fails."""
 
-from __future__ import annotations
-
 import time
 
 from rich.console import Console

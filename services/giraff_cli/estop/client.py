@@ -3,8 +3,6 @@
 Each answers with an exit code and a word for people. Nothing is taken for done before base has said so.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import shlex
@@ -275,7 +273,7 @@ def what_stands(*, is_off: bool, off: bool, by_word: bool = False, note: str = "
     return code, f"{what}, {BY_WORD}" if by_word else what
 
 
-def _confirmed(witness: Witness, robot: str, answer: EStopAnswer, asking: EStopClient) -> Result:
+def _confirmed(witness: "Witness", robot: str, answer: EStopAnswer, asking: EStopClient) -> Result:
     connection, is_off = witness.connection, asking.is_off
     by_word = connection.network.is_open and not witness.has_heard(robot, answer.instance)
     way = [word for address in connection.network.connect for word in ("--connect", address)]
@@ -286,7 +284,7 @@ def _confirmed(witness: Witness, robot: str, answer: EStopAnswer, asking: EStopC
 
 
 def _tell_confirmed(
-    witness: Witness, robot: str, answer: EStopAnswer, asking: EStopClient, tell: Callable[[Result], object]
+    witness: "Witness", robot: str, answer: EStopAnswer, asking: EStopClient, tell: Callable[[Result], object]
 ) -> int:
     result = _confirmed(witness, robot, answer, asking)
     tell(result)

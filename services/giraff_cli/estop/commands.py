@@ -1,7 +1,5 @@
 """`giraff stop`, and the verbs of `giraff estop`. Each verb imports what it needs when it is typed."""
 
-from __future__ import annotations
-
 import sys
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -123,7 +121,7 @@ def _report(
     robot: str | None,
     connect: list[str] | None,
     timeout: float,
-    act: Callable[[RobotConnection], Result],
+    act: "Callable[[RobotConnection], Result]",
     *,
     moves: bool = False,
     as_json: bool,
@@ -131,7 +129,7 @@ def _report(
     from giraff_cli.estop.engage import print_result  # noqa: PLC0415
     from giraff_tools.network.command import run_with_robot  # noqa: PLC0415
 
-    def say(connection: RobotConnection) -> int:
+    def say(connection: "RobotConnection") -> int:
         return print_result(act(connection), as_json=as_json)
 
     raise typer.Exit(run_with_robot(robot, connect or (), say, patience=timeout, moves=moves, stands_in=False))

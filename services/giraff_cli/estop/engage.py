@@ -1,7 +1,5 @@
 """`giraff stop` by its plan: stop first, complain after."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 import threading

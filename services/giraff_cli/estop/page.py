@@ -4,8 +4,6 @@ Whoever answers there is asked: a stop that is asked for too often does no harm.
 has kept confirms one.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Collection

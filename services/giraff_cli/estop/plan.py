@@ -3,8 +3,6 @@
 The stop comes first. It is tried over all that can still be read of the network; then the command says what is wrong.
 """
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import os

@@ -1,7 +1,5 @@
 """Read what is left of a robot file and an environment that cannot be used."""
 
-from __future__ import annotations
-
 import contextlib
 import difflib
 import re

@@ -1,7 +1,5 @@
 """Base's own word beside what is heard at a door, to which a stranger may have spoken in base's name."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 import time

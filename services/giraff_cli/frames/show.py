@@ -1,7 +1,5 @@
 """`giraff frames`: asks those who know where the robot's frames are, and shows it as it is wanted."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Sequence

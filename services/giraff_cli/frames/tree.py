@@ -1,7 +1,5 @@
 """The robot's frames as a tree: what it lacks to be one, how it reads, and how it is drawn."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
@@ -112,7 +110,7 @@ class _Node(NamedTuple):
     name: str
     transform: Transform | None
     """None of what is in none."""
-    below: list[_Node]
+    below: "list[_Node]"
 
     @property
     def width(self) -> float:

@@ -1,7 +1,5 @@
 """The options of `giraff graph`. What it does is imported when it is asked for."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

@@ -1,7 +1,5 @@
 """`giraff graph`: services as nodes, topics as edges, the way rxgraph drew them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import msgspec

@@ -1,7 +1,5 @@
 """Asks the localization that runs on the network: who is it, look here, look anywhere."""
 
-from __future__ import annotations
-
 import math
 import secrets
 import time

@@ -1,7 +1,5 @@
 """The options of `giraff localize`. What it does is imported when it is asked for."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, NoReturn
 
@@ -70,7 +68,7 @@ def localize(
     raise typer.Exit(follow(robot, connect or (), seconds, as_json=as_json))
 
 
-def _place(at: str | None) -> Pose | None:
+def _place(at: str | None) -> "Pose | None":
     try:
         return None if at is None else typed.pose(at)
     except ValueError as error:

@@ -1,7 +1,5 @@
 """A floor plan as localization needs it, with the file's name where it cannot be one."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from giraff_core.robot import RobotConfig

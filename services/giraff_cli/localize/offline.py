@@ -1,7 +1,5 @@
 """`giraff localize --from`: a recording through localization, as fast as it goes, and a summary of it."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 from textwrap import fill
@@ -78,7 +76,9 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
     return _INCOMPLETE if unread or strange else DONE
 
 
-def _feed(recording: Recording, drive: RecordedDrive, stopping: StopSignal, unread: Unread, progress: Progress) -> int:
+def _feed(
+    recording: Recording, drive: "RecordedDrive", stopping: StopSignal, unread: Unread, progress: Progress
+) -> int:
     """Return how many samples cannot be decoded. `unread` takes what is missing in the file."""
     strange = 0
     for number, recorded in enumerate(recording.samples((ODOM.key, RANGE.key, TRUE_POSE.key), unread)):
@@ -116,7 +116,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     """Why the truth that the recording has says nothing of this map; empty: it does, or there is none."""
 
 
-def summarize(drive: RecordedDrive, robot: str, *, took: float) -> Summary:
+def summarize(drive: "RecordedDrive", robot: str, *, took: float) -> Summary:
     """`took`: s that it has taken."""
     errors = LocalizationErrors() if drive.truth.doubt else drive.errors  # what was compared before the doubt is in it
     return Summary(

@@ -1,7 +1,5 @@
 """`giraff localize --map`: finds the robot, asks where its sensors are, and is giraff_localization in this terminal."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from contextlib import closing

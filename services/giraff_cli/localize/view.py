@@ -1,7 +1,5 @@
 """Shows what localization says: a floor plan or a line for people, an object for programs."""
 
-from __future__ import annotations
-
 import math
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Entries of the journal and of containers; their order; how they are shown. No I/O and no clock."""
 
-from __future__ import annotations
-
 import re
 from collections import deque
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """`giraff logs`: reads the sources of this host until they end, or until Ctrl-C."""
 
-from __future__ import annotations
-
 import errno
 import math
 import os

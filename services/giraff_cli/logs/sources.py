@@ -1,7 +1,5 @@
 """Where services of this host write: the journal, containers, and the directories of `giraff run`."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import os

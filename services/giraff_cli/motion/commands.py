@@ -1,7 +1,5 @@
 """The options of `giraff move`, `turn`, `arc` and `go`. What they do is imported when it is asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -148,7 +146,7 @@ def go(
     from giraff_node.motion_client import Wish  # noqa: PLC0415
     from giraff_schemas.motion import GoTo  # noqa: PLC0415
 
-    def wish() -> Wish:
+    def wish() -> "Wish":
         word = typed.one_word(goal, typed.point)
         if "," not in word or Path(word).exists():
             if (frame, speed, time_limit) != (None, None, None):
@@ -167,7 +165,7 @@ def go(
 
 
 def _perform(
-    verb: str, wish: Callable[[], Wish], robot: str | None, connect: list[str] | None, *, as_json: bool
+    verb: str, wish: "Callable[[], Wish]", robot: str | None, connect: list[str] | None, *, as_json: bool
 ) -> None:
     from giraff_cli.motion.pattern import PatternError  # noqa: PLC0415
     from giraff_cli.motion.perform import perform  # noqa: PLC0415

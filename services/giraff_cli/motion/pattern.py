@@ -1,7 +1,5 @@
 """The steps of a motion, and patterns of them in TOML files, which are read as they are written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Final, Literal
 

@@ -1,7 +1,5 @@
 """Asks for a motion, shows how it goes, and tells how it ended. Ctrl-C ends the motion first."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Sequence

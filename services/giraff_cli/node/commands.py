@@ -1,7 +1,5 @@
 """The verbs of `giraff node`. What they do is imported when it is asked for."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

@@ -1,7 +1,5 @@
 """`giraff node list` and `info`: the services of a robot, where they run and how they are."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Final
 

@@ -1,7 +1,5 @@
 """`giraff odom`: tells odometry where the robot is, and says where it was taken to be before."""
 
-from __future__ import annotations
-
 import math
 import secrets
 import time

@@ -1,7 +1,5 @@
 """The verbs of `giraff odom`. What they do is imported when it is asked for."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING, Annotated
 
@@ -72,7 +70,7 @@ def set_pose(
     )
 
 
-def _pose(words: Sequence[str]) -> Pose:
+def _pose(words: "Sequence[str]") -> "Pose":
     """Return the pose that was typed. Raises ValueError, for several words with the one that they should have been."""
     if wrong := [word for word in words if word.startswith("--")]:
         raise ValueError(f"no option {wrong[0]}")
@@ -88,14 +86,14 @@ def _report(
     robot: str | None,
     connect: list[str] | None,
     timeout: float,
-    act: Callable[[RobotConnection], Result],
+    act: "Callable[[RobotConnection], Result]",
     *,
     as_json: bool,
 ) -> None:
     from giraff_tools.network.command import print_error, run_with_robot  # noqa: PLC0415
     from giraff_tools.terminal.page import print_json  # noqa: PLC0415
 
-    def say(connection: RobotConnection) -> int:
+    def say(connection: "RobotConnection") -> int:
         result = act(connection)
         if as_json:
             print_json(result._asdict())

@@ -1,7 +1,5 @@
 """`giraff param`: asks the services of a robot for what they go by, and asks them to go by something else."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Parameters as people and programs read them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any, Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """`giraff play`: says again what a recording holds, in its own order and rhythm, as a robot of another name."""
 
-from __future__ import annotations
-
 import secrets
 import sys
 import time

@@ -1,7 +1,5 @@
 """A recording's samples, ready before their time."""
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

@@ -1,7 +1,5 @@
 """The options of `giraff record`. What it does is imported when it is asked for."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Annotated, Final

@@ -1,7 +1,5 @@
 """The pictures that `giraff record --camera` keeps. They are asked for, and come over a link of their own."""
 
-from __future__ import annotations
-
 import time
 from typing import Final
 

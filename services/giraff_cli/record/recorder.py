@@ -1,7 +1,5 @@
 """`giraff record`: everything that a robot says, into a file that outlives whatever ends the recording."""
 
-from __future__ import annotations
-
 import gc
 import sys
 import time
@@ -181,7 +179,7 @@ def _follow(
     writer: RecordingWriter,
     subscriber: RawSubscriber,
     pictures: NoPictures,
-    parameters: RecordedParameters,
+    parameters: "RecordedParameters",
     stopping: StopSignal,
     limits: Limits,
 ) -> str:

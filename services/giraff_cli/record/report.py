@@ -1,7 +1,5 @@
 """What became of a recording, for people and for programs; and `giraff record --repair`, which makes it whole."""
 
-from __future__ import annotations
-
 import sys
 from io import StringIO
 from pathlib import Path

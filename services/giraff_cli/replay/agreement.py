@@ -1,7 +1,5 @@
 """How much of what was recorded is said again."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from typing import Final

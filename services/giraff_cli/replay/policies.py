@@ -4,8 +4,6 @@ Pure: no network, no clock. Odometry and guard are replayed whole. What base, ra
 serial lines, which are not recorded.
 """
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence

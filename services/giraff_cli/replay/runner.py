@@ -1,7 +1,5 @@
 """`giraff replay`: whether the services of today would do with a recording what those of then did."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from io import StringIO

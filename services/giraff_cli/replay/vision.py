@@ -1,7 +1,5 @@
 """Recorded pictures through the policy of giraff_vision, beside what it said of them then. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterable

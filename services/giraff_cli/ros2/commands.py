@@ -1,7 +1,5 @@
 """The options of `giraff ros2`. What it does is imported when it is asked for."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 import typer

@@ -1,7 +1,5 @@
 """`giraff ros2`: finds the robot, asks it for its limits, and is giraff_ros2 in this terminal."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, Final

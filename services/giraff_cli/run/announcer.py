@@ -1,7 +1,5 @@
 """What a run itself says on the network: where the simulated robot truly is, for people who look at it."""
 
-from __future__ import annotations
-
 import logging
 import secrets
 import time

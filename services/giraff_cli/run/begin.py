@@ -1,7 +1,5 @@
 """`giraff run`: nothing is started before the robot's name is known to be free."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import sys

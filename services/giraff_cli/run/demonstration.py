@@ -3,8 +3,6 @@
 No I/O and no clock. Times are seconds of any one monotonic clock.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from enum import Enum, auto
 from typing import Final, NamedTuple

@@ -1,7 +1,5 @@
 """Where a run keeps its ports, sockets and logs; and what is left behind by runs that were killed."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

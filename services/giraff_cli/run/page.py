@@ -1,7 +1,5 @@
 """The page of a run: what its service is told of the room, and where it is to be opened."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a run is to be: the options, checked, before anything is started."""
 
-from __future__ import annotations
-
 import math
 import os
 import socket

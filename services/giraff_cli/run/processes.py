@@ -1,7 +1,5 @@
 """The processes of a run: none outlives it, each has a log, and whatever ends early is named."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import os

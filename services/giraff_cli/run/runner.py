@@ -4,8 +4,6 @@ The order matters. Services start when the simulator is ready, end before it, an
 rest, before anything is told to end.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import secrets

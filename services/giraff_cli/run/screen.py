@@ -1,7 +1,5 @@
 """The live view of a run: a snapshot as a picture of 80 by 24 characters, or wider."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The simulated robot of a run: the simulator, the services, on its serial ports, and the world's truth."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time

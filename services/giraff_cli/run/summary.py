@@ -1,7 +1,5 @@
 """How a run went, in numbers."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What is heard and seen of a run: the robot as any is heard, and beside it the world's truth."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Sequence

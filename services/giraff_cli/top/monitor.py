@@ -1,7 +1,5 @@
 """`giraff top`: what a robot's services take and how its topics flow, as long as anybody looks."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Sequence

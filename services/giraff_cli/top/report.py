@@ -1,7 +1,5 @@
 """A robot's services, hosts and topics at one moment: what they take and how they flow. No clock, no network."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Final
 

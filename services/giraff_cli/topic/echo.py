@@ -1,7 +1,5 @@
 """`giraff topic echo`: samples as they come."""
 
-from __future__ import annotations
-
 import math
 import sys
 import time
@@ -53,7 +51,7 @@ def echo(
         )
 
 
-def _echo(it: Echo, count: int | None, seconds: float | None) -> int:
+def _echo(it: "Echo", count: int | None, seconds: float | None) -> int:
     try:
         return it.run(math.inf if count is None else count, math.inf if seconds is None else seconds)
     except FieldError as error:

@@ -1,7 +1,5 @@
 """`giraff topic list` and `info`: what is said on a robot's network, by whom, and to whom."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 

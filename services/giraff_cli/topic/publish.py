@@ -1,7 +1,5 @@
 """`giraff topic pub`: say something in the name of a robot, which must not be there for what is its own to say."""
 
-from __future__ import annotations
-
 import math
 import secrets
 import time

@@ -1,7 +1,5 @@
 """`giraff topic hz` and `bw`: how often and how much, of what was sent and of what came."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """The words and options of `giraff view`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """`giraff view`: hears a robot, or reads a recording of one, and has it drawn."""
 
-from __future__ import annotations
-
 import math
 import shlex
 import time

@@ -1,7 +1,5 @@
 """Where `giraff view` shows a robot: a window, a browser, a file or a picture."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """`giraff view FILE`: a recording, drawn to its end, and then there to look through."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The options of `giraff vision`. What it does is imported when it is asked for."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

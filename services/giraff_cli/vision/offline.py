@@ -1,7 +1,5 @@
 """`giraff vision --from`: pictures of a recording or a video through the policy of giraff_vision, one at a time."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterator

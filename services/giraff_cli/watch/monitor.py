@@ -1,7 +1,5 @@
 """`giraff watch`: a live robot on the operator's terminal, as long as anybody looks, whatever becomes of the robot."""
 
-from __future__ import annotations
-
 import gc
 import math
 import time

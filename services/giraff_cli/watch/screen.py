@@ -1,7 +1,5 @@
 """A live robot at one moment: on 80 by 24 characters or wider, in one line, or as a JSON object for scripts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Final
 

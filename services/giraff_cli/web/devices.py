@@ -1,7 +1,5 @@
 """`giraff web --devices` and `--end`: the pages that are open at this host's page services."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`giraff web`: finds the robot, asks it for its limits, and is giraff_web in this terminal."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

@@ -3,8 +3,6 @@
 No clock, no network: both come in.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final, Literal
 

@@ -1,7 +1,5 @@
 """Each link of the chain from hand to wheel: whether it holds, and what to do where it does not."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import msgspec

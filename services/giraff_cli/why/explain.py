@@ -1,7 +1,5 @@
 """`giraff why`: listen for a moment, and say what stops the robot."""
 
-from __future__ import annotations
-
 import socket
 import time
 from collections import deque
@@ -108,7 +106,7 @@ def listen(connection: RobotConnection, seconds: float) -> Observation:
     return observation
 
 
-def _show(diagnosis: Diagnosis, unreadable: list[str]) -> None:
+def _show(diagnosis: "Diagnosis", unreadable: list[str]) -> None:
     print_table(
         (">", "", ">", ""),
         [

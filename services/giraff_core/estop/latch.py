@@ -3,8 +3,6 @@
 A file that is missing, damaged or cannot be read says nothing, and then the robot stays stopped.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Final
 
 import msgspec

@@ -1,7 +1,5 @@
 """A person's release of the emergency stop: one request at a time, and what became of it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_core.estop.request import Request

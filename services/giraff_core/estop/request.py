@@ -1,7 +1,5 @@
 """A person's emergency stop: asked for until base has confirmed it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final, Protocol
 

@@ -1,7 +1,5 @@
 """What a calibration has found of wheels and track, and how sure it is: the table `[robot.calibration]`."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Final, NamedTuple
 

@@ -10,8 +10,6 @@ with distance and, since the wheels also travel while the robot turns on the spo
 random (slip, uneven floor). What is systematic (wheel diameters, track width) is `systematic_error`'s.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

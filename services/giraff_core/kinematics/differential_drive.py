@@ -1,7 +1,5 @@
 """Two wheels on one axle: Siegwart, Nourbakhsh, Introduction to Autonomous Mobile Robots, section 3.2."""
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 CREEP: Final = 0.10

@@ -1,7 +1,5 @@
 """Where ultrasonic sensors have heard something, as cells of the floor in `odom`. People look at it. No guard does."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Final

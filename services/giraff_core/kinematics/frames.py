@@ -3,8 +3,6 @@
 `lookup(target, source)` has the order of tf2's `lookup_transform`: the pose of `source`, in `target`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Final
 

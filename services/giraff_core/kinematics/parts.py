@@ -1,7 +1,5 @@
 """Parts of a robot that have a frame of their own: the tables `[robot.frames.<name>]`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from typing import Annotated, Final, Protocol

@@ -1,7 +1,5 @@
 """Where something is in a plane."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 
@@ -19,17 +17,17 @@ class Pose(NamedTuple):
     y: float
     yaw: float
 
-    def moved(self, distance: float, turn: float) -> Pose:
+    def moved(self, distance: float, turn: float) -> "Pose":
         """After an arc of `distance` m that turns by `turn` rad, a small one: the arc is taken for its chord."""
         middle = self.yaw + turn / 2.0
         return Pose(self.x + distance * math.cos(middle), self.y + distance * math.sin(middle), self.yaw + turn)
 
-    def ahead(self, other: Pose, axis: float) -> float:
+    def ahead(self, other: "Pose", axis: float) -> float:
         """m that `other` lies ahead of here, along a direction that is `axis` rad off this heading."""
         direction = self.yaw + axis
         return (other.x - self.x) * math.cos(direction) + (other.y - self.y) * math.sin(direction)
 
-    def towards(self, other: Pose, share: float) -> Pose:
+    def towards(self, other: "Pose", share: float) -> "Pose":
         """Return the pose at this share of the way to `other`, 0..1, the shorter turn there."""
         turn = math.remainder(other.yaw - self.yaw, math.tau)
         return Pose(
@@ -44,13 +42,13 @@ class Pose(NamedTuple):
         x, y = x - self.x, y - self.y
         return cos * x + sin * y, cos * y - sin * x
 
-    def seen_from(self, origin: Pose) -> Pose:
+    def seen_from(self, origin: "Pose") -> "Pose":
         """This pose in the frame whose origin is `origin`."""
         x, y = self.x - origin.x, self.y - origin.y
         cos, sin = math.cos(origin.yaw), math.sin(origin.yaw)
         return Pose(x * cos + y * sin, y * cos - x * sin, math.remainder(self.yaw - origin.yaw, math.tau))
 
-    def placed_in(self, frame: Pose) -> Pose:
+    def placed_in(self, frame: "Pose") -> "Pose":
         """The inverse of `seen_from`: this pose, given in `frame`, where `frame` itself is given."""
         cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
         x, y = self.x * cos - self.y * sin, self.x * sin + self.y * cos

@@ -3,8 +3,6 @@
 And since when `odom` is where it is, and why a frame cannot be told in another.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections import deque

@@ -3,8 +3,6 @@
 Angles are REP-103's roll, pitch and yaw about fixed axes: R = Rz(yaw) Ry(pitch) Rx(roll).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 
@@ -18,13 +16,13 @@ class Rigid(NamedTuple):
     translation: Row
 
     @property
-    def inverse(self) -> Rigid:
+    def inverse(self) -> "Rigid":
         """Where the outer frame is in the inner one."""
         columns = _transposed(self.rotation)
         x, y, z = (_dot(column, self.translation) for column in columns)
         return Rigid(columns, (-x, -y, -z))
 
-    def then(self, inner: Rigid) -> Rigid:
+    def then(self, inner: "Rigid") -> "Rigid":
         """Where `inner`, which is given in this frame, is in the frame in which this one is given."""
         columns = _transposed(inner.rotation)
         first, second, third = (

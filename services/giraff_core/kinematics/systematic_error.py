@@ -6,8 +6,6 @@ each with scales of its own that the calibration holds for as likely (`Calibrati
 is the error. S. Julier, J. Uhlmann, Unscented Filtering and Nonlinear Estimation, Proceedings of the IEEE 92 (2004).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

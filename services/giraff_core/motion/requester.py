@@ -4,8 +4,6 @@ The requester holds on to the motion as a hand holds a key down: with each tick 
 no other. One that is killed, cut off or suspended hears none, and its motion ends. No I/O and no clock.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """How a motion has ended, as whoever asked for it knows it. No I/O and no clock."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, Literal
 

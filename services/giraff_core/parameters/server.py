@@ -1,7 +1,5 @@
 """Answers parameter queries in the service's loop. No I/O: a `Store` writes the files."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, Generic

@@ -5,8 +5,6 @@ file says is what somebody answers for. Whatever was saved counts after a restar
 The fields of an inner table of several kinds are parameters of their own: `drive.k1`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, Final, Generic, TypeVar

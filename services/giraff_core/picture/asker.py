@@ -1,8 +1,6 @@
 """One who looks at a camera of the robot: the asker's side of `giraff_camera`, and which picture they take. No I/O and
 no clock."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

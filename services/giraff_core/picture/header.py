@@ -4,8 +4,6 @@ A decoder takes memory and time by the size that the header names, and 300 bytes
 pictures that others made are judged here first. What cannot be judged is refused.
 """
 
-from __future__ import annotations
-
 import re
 import struct
 from typing import Final, NamedTuple

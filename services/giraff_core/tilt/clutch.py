@@ -1,7 +1,5 @@
 """The clutch: neutral while it is pressed, and the attitude in which it is let go is the new zero."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final, NamedTuple

@@ -1,7 +1,5 @@
 """How much a tilt asks for. Axes of the sensor: x grows when tilted forward, y to the left."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, Literal, Protocol
 

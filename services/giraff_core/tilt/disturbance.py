@@ -7,8 +7,6 @@ What the thresholds stand on:
 - A wrist turns at up to 5 rad/s when a driver hurries. That turns gravity by 1 m/s² in 20 ms.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final

@@ -1,7 +1,5 @@
 """The attitude of a tilt sensor in its joystick. Axes of both: x grows when tilted forward, y to the left, z is up."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

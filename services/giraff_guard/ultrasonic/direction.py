@@ -1,7 +1,5 @@
 """How fast the robot may drive forward or backward by its ultrasonic sensors, and why not faster."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Final

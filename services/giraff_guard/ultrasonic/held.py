@@ -1,7 +1,5 @@
 """What the sensors of one way have surely heard, and may only have ceased to hear."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """What a sensor on a body that leans tells of the level way ahead of it."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

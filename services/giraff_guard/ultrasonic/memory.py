@@ -1,7 +1,5 @@
 """What has echoed lately and may lie where no sensor looks now: beside the robot, or in the strip between the cones."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Final, NamedTuple

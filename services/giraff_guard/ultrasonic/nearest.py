@@ -1,7 +1,5 @@
 """What the sensors of one way hear: the speed from which the robot stops before it, and blindness."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from operator import attrgetter

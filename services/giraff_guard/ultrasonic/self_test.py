@@ -1,7 +1,5 @@
 """Whether a sensor's readings are those of a surface, judged by how the robot has moved."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Final
 

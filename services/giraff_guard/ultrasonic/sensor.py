@@ -1,7 +1,5 @@
 """What one ultrasonic sensor is believed to say. docs/obstacles.md has the rules and why they are so."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final
@@ -174,7 +172,7 @@ class Sensor:
             self._lost = None
         return self._lost is not None
 
-    def counted(self, others: list[Sensor]) -> list[Ping]:
+    def counted(self, others: "list[Sensor]") -> list[Ping]:
         """The readings that count, newest first. `others`: the sensors that look the same way.
 
         The last two, so that one long reading never hides what the one before has heard; but not one that stands
@@ -214,7 +212,7 @@ class Sensor:
             return False
         return all(self._compare(doubted, earlier, walk=False) != 0 for earlier in before[:-1])
 
-    def _outvotes(self, witness: Ping | None, ping: Ping, other: Sensor) -> bool:
+    def _outvotes(self, witness: Ping | None, ping: Ping, other: "Sensor") -> bool:
         if witness is None or witness.robot_ns < ping.robot_ns:
             return False
         here, there = self.offset + ping.distance, other.offset + witness.distance

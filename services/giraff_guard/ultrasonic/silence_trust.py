@@ -4,8 +4,6 @@ Beside another robot it says more: a deaf sensor takes that robot's pings for it
 one that stays or at one that drifts, and follow this robot's motion by chance alone.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final, NamedTuple

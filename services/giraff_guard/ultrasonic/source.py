@@ -1,7 +1,5 @@
 """The ultrasonic sensors as one sense of the guard."""
 
-from __future__ import annotations
-
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig

@@ -1,7 +1,5 @@
 """A serial link to a board: frames instead of bytes, and proof that the other side is the right one."""
 
-from __future__ import annotations
-
 from math import inf
 from typing import Final
 

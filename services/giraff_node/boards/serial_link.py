@@ -1,7 +1,5 @@
 """A serial port that comes and goes: opened by path, reopened by path, never waited for."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

@@ -5,8 +5,6 @@ GIRAFF_<TABLE>_<FIELD> (GIRAFF_BASE_PORT, GIRAFF_ROBOT_NAME) overrides one field
 (GIRAFF_BASE_DRIVE__MAX_LEVEL). Anything unknown is an error that suggests the right word.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import tomllib
@@ -63,7 +61,7 @@ class RawSettings(NamedTuple):
     where: str
     """The robot file; "environment" where there is none."""
     tables: dict[str, dict[str, Any]]
-    strange: tuple[UnknownEntry, ...]
+    strange: "tuple[UnknownEntry, ...]"
     """What belongs to no table, in the order in which it was met."""
     variables: tuple[str, ...]
     """Those of the environment that have set a field."""

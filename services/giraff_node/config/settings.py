@@ -1,7 +1,5 @@
 """The tables of the robot file that a service reads."""
 
-from __future__ import annotations
-
 from typing import Generic, NamedTuple
 
 from giraff_core.network import NetworkConfig
@@ -19,7 +17,7 @@ class Settings(NamedTuple, Generic[ConfigT]):
     network: NetworkConfig
 
     @classmethod
-    def load(cls, service: str, config: type[ConfigT]) -> Settings[ConfigT]:
+    def load(cls, service: str, config: type[ConfigT]) -> "Settings[ConfigT]":
         """Read them from robot file and environment. Raises ConfigError."""
         table = read_known().table
         return cls(table(service, config), table("robot", RobotConfig), table("network", NetworkConfig))

@@ -3,8 +3,6 @@
 What a table knows is what its `Struct` has. What else is wrong with a robot file is no business of this module.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from typing import Any, Final, get_args, get_origin, get_type_hints

@@ -4,8 +4,6 @@ Base listens at Unix sockets alone, so it has to dial a hand on another host. It
 a firewall, a network address translation, a container. The door is dialled by the hand, and so can always be asked.
 """
 
-from __future__ import annotations
-
 import contextlib
 import threading
 from collections.abc import Callable

@@ -4,8 +4,6 @@ In the session of ticks and states, a picture of 40 kB would wait before them in
 This session has links of its own, and so has each listener behind the door.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

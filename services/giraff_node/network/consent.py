@@ -1,7 +1,5 @@
 """A person says which robot is meant, and that it may be moved. Nobody is asked where there is no terminal."""
 
-from __future__ import annotations
-
 import contextlib
 import signal
 import sys

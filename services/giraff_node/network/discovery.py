@@ -4,8 +4,6 @@ Whoever only looks takes the robot that is there. Whoever moves one has named it
 very host; for any other a person says yes (`consent`).
 """
 
-from __future__ import annotations
-
 import os
 import re
 import socket

@@ -1,7 +1,5 @@
 """The session of a hand: a peer, to which the robot's services link one by one, so that it outlives the door."""
 
-from __future__ import annotations
-
 import time
 from typing import Final
 

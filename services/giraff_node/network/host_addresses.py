@@ -5,8 +5,6 @@ door, beside a cable to a laser or a VPN, would go on telling the old addresses,
 the new one would find it.
 """
 
-from __future__ import annotations
-
 import fcntl
 import re
 import socket

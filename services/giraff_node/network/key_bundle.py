@@ -3,8 +3,6 @@
 `giraff keys` writes it; the certificate beside it decides. The robot has no library that could read that one.
 """
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Annotated, Final

@@ -10,8 +10,6 @@ Only this robot's own peers and hands are missed: their ids have its mark. Each 
 moment, so a host gets few of them. Strangers come and go, and on an open network one may forge the mark.
 """
 
-from __future__ import annotations
-
 import os
 import threading
 import time
@@ -134,7 +132,7 @@ class LinkRepair:
             self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)
             self._under_way.start()
 
-    def _set_options(self, now: float, found: list[Link]) -> None:
+    def _set_options(self, now: float, found: "list[Link]") -> None:
         """Set the kernel's options as long as a connection may be new: to look at each one takes ten calls."""
         try:
             seen = {*found}, os.listdir("/proc/self/fd")  # noqa: PTH208  it is asked often

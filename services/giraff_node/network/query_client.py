@@ -1,7 +1,5 @@
 """A query of Zenoh that is repeated until it is answered."""
 
-from __future__ import annotations
-
 import contextlib
 import time
 from collections.abc import Callable

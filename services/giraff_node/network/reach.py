@@ -1,7 +1,5 @@
 """Whether an address that somebody typed answers at all."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Mapping, Sequence
 from typing import Final

@@ -1,7 +1,5 @@
 """Replies to one question, gathered without ever waiting longer than agreed."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from typing import Any, Final, TypeVar, cast
@@ -17,7 +15,7 @@ _MOST_REPLIES: Final = 1000  # that are kept; on an open network anybody may rep
 _GRACE: Final = 0.2  # s after its own deadline in which Zenoh says that no more replies come
 
 
-def gather_replies(ask: Callable[[zenoh.handlers.Callback[zenoh.Reply]], object], within: float) -> list[zenoh.Reply]:
+def gather_replies(ask: "Callable[[zenoh.handlers.Callback[zenoh.Reply]], object]", within: float) -> list[zenoh.Reply]:
     """Return the replies to what `ask` asks with the handler that it is given, after `within` s at most.
 
     Zenoh's own handler holds 256 replies. Then it blocks the thread that brings the next one. That thread is the

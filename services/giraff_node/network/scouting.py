@@ -1,7 +1,5 @@
 """Who answers a call by multicast."""
 
-from __future__ import annotations
-
 import time
 from typing import Any, Final
 

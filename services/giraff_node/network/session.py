@@ -5,8 +5,6 @@ for each mode, `recorder.toml` for who records, `visit.toml` for a visit. Here t
 and rules are put in.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import os

@@ -5,8 +5,6 @@ another host leads nowhere there. One more, `rendezvous`, belongs to any of them
 ends.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import fcntl

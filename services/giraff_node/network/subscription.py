@@ -1,7 +1,5 @@
 """Samples of one topic as Zenoh brings them: read, or told to be unreadable."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from typing import Any, Final, Generic

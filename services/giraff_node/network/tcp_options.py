@@ -15,8 +15,6 @@ small packets (`tcp_thin_linear_timeouts` in the kernel's networking/tcp-thin.rs
 kernel knows TCP_RTO_MIN_US (Linux 6.15) it begins at RTO_MIN beyond the round trip.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket

@@ -4,8 +4,6 @@ Anybody on an open network can declare a token with any text in it. A name that 
 robot of ours. It is left out and told, so that it cannot end a command.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Final, NamedTuple
 
@@ -76,7 +74,7 @@ def watch_tokens(
     tell: Callable[[str], object] = consent.print_notice,
     *,
     history: bool = True,
-) -> zenoh.Subscriber[None]:
+) -> "zenoh.Subscriber[None]":
     """Call `on_token` in Zenoh's thread with each token of `robot` ("*": of all) that comes (True) or goes (False).
 
     `history`: also with those that are there already. The caller keeps the subscriber: an unreferenced one ends.

@@ -1,7 +1,5 @@
 """The C library in this process: how it keeps the memory that is freed, and what it prints to standard error."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Iterator
 from contextlib import contextmanager

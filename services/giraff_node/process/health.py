@@ -1,7 +1,5 @@
 """How a service is: what is wrong with itself, what it only notices of others, what it speaks of and listens to."""
 
-from __future__ import annotations
-
 import logging
 import os
 import socket

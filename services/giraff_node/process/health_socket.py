@@ -6,8 +6,6 @@ Beside it lies a file with the faults, which the loop touches as long as it turn
 (giraff_health/wait.sh): it must cost next to nothing, and Python's start alone is 9 ms.
 """
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

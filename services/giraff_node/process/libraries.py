@@ -1,7 +1,5 @@
 """Says which library is missing, before a module is imported that needs it, and what brings it."""
 
-from __future__ import annotations
-
 import sys
 from importlib.util import find_spec
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A program that goes on until SIGTERM or SIGINT: its log, its loop, what it tells of itself, and a clean end."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

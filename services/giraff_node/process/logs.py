@@ -1,7 +1,5 @@
 """Structured logs on stderr: one JSON object a line, or plain text when a person watches."""
 
-from __future__ import annotations
-
 import logging
 import sys
 import time

@@ -1,7 +1,5 @@
 """Waiting for whichever of several descriptors is readable first, while they come and go."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import select

@@ -1,7 +1,5 @@
 """What a service keeps across restarts: small files that are whole on disk, or not there."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os
@@ -77,7 +75,7 @@ class Folder:
     def read(self, name: str) -> bytes:
         return (self._directory / name).read_bytes()
 
-    def writer(self, name: str) -> FileWriter:
+    def writer(self, name: str) -> "FileWriter":
         return FileWriter(self._directory / name, self._wake)
 
 

@@ -1,7 +1,5 @@
 """What a service tells systemd, by the protocol of sd_notify(3): that it is ready, how it is, that its loop turns."""
 
-from __future__ import annotations
-
 import os
 import socket
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A Unix socket that can be asked as soon as it can be seen."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket

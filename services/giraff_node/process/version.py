@@ -1,7 +1,5 @@
 """Which program this is, so that hosts can be compared."""
 
-from __future__ import annotations
-
 import zlib
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The end of a process whose loop hangs: a timer of the kernel that only a turning loop sets anew."""
 
-from __future__ import annotations
-
 import contextlib
 import faulthandler
 import os

@@ -1,7 +1,5 @@
 """One publisher of `/cmd_vel`: its messages, how old they are, and whether it is awake."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -5,8 +5,6 @@ hand at rest, which arms the robot. A process that is frozen is there and silent
 rest needs a proof: a message of zero, or the answer of the process to a question of now.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Callable, Iterable

@@ -1,7 +1,5 @@
 """The robot's state as ROS's diagnostics: a row for each part, by the newest sample of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple

@@ -1,7 +1,5 @@
 """Parts that several ROS messages have: stamps, frames, rotations, numbers of 32 bits."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -4,8 +4,6 @@
 reached from the edge of the grid are unknown, and those that cannot are free.
 """
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING, Final
 
@@ -53,7 +51,7 @@ def _cells(low: float, high: float, side: float) -> int:
     return round(high / side) - round(low / side) + 1 + 2 * _MARGIN
 
 
-def _drawn(lines: NDArray[np.float64], height: int, width: int) -> NDArray[np.bool_]:
+def _drawn(lines: "NDArray[np.float64]", height: int, width: int) -> "NDArray[np.bool_]":
     """Return the cells, the lowest row first, in which a wall is. `lines`: in cells."""
     is_wall = np.zeros((height, width), dtype=np.bool_)
     for begin, end in lines:
@@ -63,7 +61,7 @@ def _drawn(lines: NDArray[np.float64], height: int, width: int) -> NDArray[np.bo
     return is_wall
 
 
-def _filled(is_wall: NDArray[np.bool_]) -> NDArray[np.int8]:
+def _filled(is_wall: "NDArray[np.bool_]") -> "NDArray[np.int8]":
     """Return occupied, free and unknown cells."""
     outside = np.zeros_like(is_wall)
     outside[0, :] = True  # no wall is there, by the margin
@@ -75,7 +73,7 @@ def _filled(is_wall: NDArray[np.bool_]) -> NDArray[np.int8]:
     return np.where(is_wall, _OCCUPIED, np.where(outside, _UNKNOWN, _FREE)).astype(np.int8)
 
 
-def _spread(reached: NDArray[np.bool_], is_wall: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _spread(reached: "NDArray[np.bool_]", is_wall: "NDArray[np.bool_]") -> "NDArray[np.bool_]":
     """Return the cells with those added that are in one row with a reached one, and no wall between."""
     padded = np.pad(is_wall, ((0, 0), (0, 1)), constant_values=True)  # a run of cells ends at the row's end
     runs = np.cumsum(padded.ravel()).reshape(padded.shape)[:, :-1]

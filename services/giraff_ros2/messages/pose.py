@@ -1,7 +1,5 @@
 """Places of the robot and its parts as ROS messages."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING, Final
 
@@ -105,7 +103,7 @@ def _pose(sample: Odometry | MapPose) -> PoseWithCovariance:
     return PoseWithCovariance(place, _covariance(sample.covariance))
 
 
-def _covariance(planar: tuple[float, float, float, float, float, float]) -> NDArray[np.float64]:
+def _covariance(planar: tuple[float, float, float, float, float, float]) -> "NDArray[np.float64]":
     """Return ROS's covariance of six axes, row by row.
 
     That of z, roll and pitch is zero: by definition they are zero on the floor. amcl writes the same, and rviz draws a

@@ -1,7 +1,5 @@
 """Measurements of the robot and of the operator's hand as ROS messages. NaN stands for what is not known."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The robot's description (URDF) by its robot file, for the RobotModel of rviz."""
 
-from __future__ import annotations
-
 from typing import Final
 from xml.etree import ElementTree as ET
 

@@ -1,7 +1,5 @@
 """Types of ROS messages: their hashes, and CDR. All of it is rosbags', by the message definitions of a distribution."""
 
-from __future__ import annotations
-
 from typing import Any, Final, Literal
 
 from rosbags.serde import SerdeError

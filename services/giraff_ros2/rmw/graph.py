@@ -1,7 +1,5 @@
 """Publishers and subscribers on a ROS network, as far as this node cares. No I/O."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Collection, Mapping
 from typing import Final

@@ -3,8 +3,6 @@
 Source: https://github.com/ros2/rmw_zenoh, `rmw_zenoh_cpp/src/detail/liveliness_utils.cpp` and `attachment_helpers.cpp`.
 """
 
-from __future__ import annotations
-
 import struct
 from typing import Final, NamedTuple
 

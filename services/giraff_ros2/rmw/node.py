@@ -1,7 +1,5 @@
 """One node on a ROS network: `RosPort` over Zenoh, as rmw_zenoh_cpp does it."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable

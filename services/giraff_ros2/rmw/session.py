@@ -4,8 +4,6 @@ ROS processes look for a router at one address, which is localhost:7447 unless s
 through it. On a host with a robot's door, Giraff itself listens there: then this is a router at another port.
 """
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import time

@@ -1,7 +1,5 @@
 """`giraff tune balance`: gains from masses, inertias and lengths of a robot file, beside those that the file has."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The chessboard in a picture, and what the views of it still lack."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """`giraff calibrate camera`: pictures, live or of a folder, to the table of a camera in the robot file."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial

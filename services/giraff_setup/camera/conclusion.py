@@ -1,7 +1,5 @@
 """What was found of a camera, in words, and as its table of the robot file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, Final

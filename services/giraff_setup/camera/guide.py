@@ -1,7 +1,5 @@
 """A person with a board and a sheet before the camera: what to do next, and when a picture is taken."""
 
-from __future__ import annotations
-
 import time
 from typing import Final, Protocol
 

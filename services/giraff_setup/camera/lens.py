@@ -1,7 +1,5 @@
 """The lens of a camera, fitted to views of the chessboard."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from typing import Any, Final, NamedTuple

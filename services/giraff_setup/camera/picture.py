@@ -1,7 +1,5 @@
 """A picture as the fits take it."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray

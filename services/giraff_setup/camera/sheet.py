@@ -1,7 +1,5 @@
 """Height and tilt of a camera, from one sheet of A4 on the floor ahead of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple

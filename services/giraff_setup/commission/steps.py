@@ -1,7 +1,5 @@
 """The steps from a new robot to a driving one, and how the robot file tells that one is done; printed."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Name the faults of an encoder, each with its remedy. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Final
 

@@ -1,7 +1,5 @@
 """`giraff check encoders`: two lifted wheels turn, and the board tells how their encoders' channels change."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """`giraff encoder disk`: the drawing, and what to do with it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -3,8 +3,6 @@
 A pair is one black and one white mark of the disk, and so one period of each channel.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterable, Iterator, Sequence

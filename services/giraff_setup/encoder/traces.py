@@ -1,7 +1,5 @@
 """Draw two channels over a few pairs, in characters and as SVG. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
@@ -32,7 +30,7 @@ class Trace(NamedTuple):
     end: float
 
     @classmethod
-    def of(cls, figures: Figures) -> Trace | None:
+    def of(cls, figures: Figures) -> "Trace | None":
         """Return the worst place. None: there is nothing to see."""
         if figures.worst is None or not figures.period_ms:
             return None

@@ -1,7 +1,5 @@
 """Changes of an encoder's two channels, as the board timed them: asked for, collected, and in whole runs. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, NamedTuple
 
@@ -35,7 +33,7 @@ class Transition(NamedTuple):
     """Levels of A and B after it."""
 
     @classmethod
-    def read(cls, word: int, *, is_torn: bool = False) -> Transition:
+    def read(cls, word: int, *, is_torn: bool = False) -> "Transition":
         """Read one as the board writes it. `is_torn`: what came before it was lost."""
         stamps = word & TRANSITION_STAMPS
         after_ms = None if is_torn or stamps == TRANSITION_STAMPS else stamps / STAMPS_PER_MS

@@ -1,7 +1,5 @@
 """Find the attitude of a tilt sensor in its joystick, from gravity in three poses: flat, forward, to the left."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple

@@ -1,7 +1,5 @@
 """`giraff calibrate joystick`: a person tilts, the board is read, and `[joystick]` of the robot file is told."""
 
-from __future__ import annotations
-
 import math
 import os
 import select
@@ -84,7 +82,7 @@ def _settings(port: str | None, file: Path | None) -> tuple[Path, str]:
     return path, port or config.port
 
 
-def guide(human: Human, board: TiltBoard, path: Path, report: Report = no_report) -> int:
+def guide(human: Human, board: "TiltBoard", path: Path, report: Report = no_report) -> int:
     """Measure, tell, ask and write; return the exit code."""
     try:
         flat = _pose(human, board, _FLAT)
@@ -108,7 +106,7 @@ def guide(human: Human, board: TiltBoard, path: Path, report: Report = no_report
     return DONE
 
 
-def _pose(human: Human, board: TiltBoard, words: str, flat: Vector | None = None) -> Vector:
+def _pose(human: Human, board: "TiltBoard", words: str, flat: Vector | None = None) -> Vector:
     """Return gravity in the pose that `words` ask for; without `flat` it is level, else tilted from it.
 
     Asks again until it can be used.
@@ -132,7 +130,7 @@ def _pose(human: Human, board: TiltBoard, words: str, flat: Vector | None = None
             return pose
 
 
-def _gravity(board: TiltBoard) -> Vector:
+def _gravity(board: "TiltBoard") -> Vector:
     """Return gravity as soon as the joystick has kept still for a second. Raises PoseError where it never does."""
     window: deque[Vector] = deque(maxlen=READINGS)
     for count, vector in enumerate(board.readings()):
@@ -146,7 +144,7 @@ def _gravity(board: TiltBoard) -> Vector:
     raise BoardError("the board gives no more readings")
 
 
-def _tilt(board: TiltBoard, found: AttitudeFit) -> Callable[[], str]:
+def _tilt(board: "TiltBoard", found: AttitudeFit) -> Callable[[], str]:
     """Return what shows the tilt as it is with what was found."""
     mount = Mount(found.roll, found.pitch, found.yaw)
     shown = ""

@@ -1,7 +1,5 @@
 """`giraff keys`: a CA of one's own, a bundle for each host, and how it stands with them."""
 
-from __future__ import annotations
-
 import errno
 import os
 import sys

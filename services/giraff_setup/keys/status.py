@@ -1,7 +1,5 @@
 """How it stands with a CA and the bundles of its hosts, and what to do about it."""
 
-from __future__ import annotations
-
 import shlex
 from dataclasses import dataclass
 from datetime import datetime, timedelta

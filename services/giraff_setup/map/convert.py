@@ -1,7 +1,5 @@
 """`giraff map convert`: a room as an occupancy grid."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from giraff_maps.floor_plan import MapError

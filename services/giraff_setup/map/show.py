@@ -1,7 +1,5 @@
 """`giraff map show`: a floor plan in the terminal, and as SVG on a grid with metres along two sides."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import sys

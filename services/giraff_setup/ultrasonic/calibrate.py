@@ -1,7 +1,5 @@
 """`giraff calibrate ranger`: ultrasonic sensors by a wall, from the first distance to the robot file."""
 
-from __future__ import annotations
-
 import math
 import os
 import sys

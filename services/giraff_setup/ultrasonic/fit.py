@@ -4,8 +4,6 @@ An HC-SR04 tells the shortest way in its cone, so that its range is flat while i
 it loses the wall at some incidence. Both are symmetrical about the square attitude: there the axis is found.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple

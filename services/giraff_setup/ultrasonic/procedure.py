@@ -1,7 +1,5 @@
 """Leads a person and the robot before a wall: distances by tape, rests on the way, a slow turn both ways."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple, Protocol

@@ -1,7 +1,5 @@
 """The robot before the wall, on the network: what it hears, and motions that giraff_motion does for it."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -3,8 +3,6 @@
 Each frame answers a report and echoes its time, so that the board stops by itself 0.3 s after this process does.
 """
 
-from __future__ import annotations
-
 import random
 import select
 import time

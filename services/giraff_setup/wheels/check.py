@@ -1,7 +1,5 @@
 """`giraff check wheels`: a human, two lifted wheels and the base board find out how the robot is wired."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from functools import partial

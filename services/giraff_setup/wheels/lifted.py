@@ -1,7 +1,5 @@
 """A human beside two lifted wheels, without whom none of them turns."""
 
-from __future__ import annotations
-
 import signal
 from types import FrameType
 from typing import Final, Protocol

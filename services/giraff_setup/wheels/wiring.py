@@ -1,7 +1,5 @@
 """From what one saw and counted when each motor was driven alone: how motors and encoders are wired. Pure."""
 
-from __future__ import annotations
-
 from typing import Final, Literal, NamedTuple, Self
 
 from giraff_core.robot import WIRING

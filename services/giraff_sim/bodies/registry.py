@@ -1,7 +1,5 @@
 """The world around a robot of each kind, the disk that its encoders read, and the judge of its body."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Where each pixel of a camera looks, from the robot and in the room."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final, NamedTuple
 
@@ -53,7 +51,7 @@ class Eye(NamedTuple):
     cosines: Single
     sines: Single
 
-    def part(self, pixels: slice) -> Eye:
+    def part(self, pixels: slice) -> "Eye":
         """Return the eye of some pixels only."""
         view = self.view
         some = view._replace(

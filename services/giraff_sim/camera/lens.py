@@ -3,8 +3,6 @@
 `giraff calibrate camera` estimates a lens with OpenCV. This is a geometry of its own, so that an error of either shows.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -3,8 +3,6 @@
 Nothing is drawn while nobody reads.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import logging

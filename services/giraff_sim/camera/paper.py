@@ -1,7 +1,5 @@
 """White paper in the picture: a sheet on the floor, a chessboard in somebody's hands. Its edges lie between pixels."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

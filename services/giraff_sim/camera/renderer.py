@@ -4,8 +4,6 @@ All surfaces are met once for each direction in the plane. A pixel then asks fro
 them is as high as it looks. A pixel that meets none before its ray meets the floor shows the floor.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """What a simulated camera can see beside the room: floor, light, people who walk, and what it is calibrated by."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Walls, furniture and people as a camera meets them: upright surfaces, each from a height to a height."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Floors and other materials as grey pictures that wrap around, made of noise. No file is read."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Sequence

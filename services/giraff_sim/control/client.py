@@ -1,7 +1,5 @@
 """The other end of the control socket."""
 
-from __future__ import annotations
-
 import os
 import socket
 from pathlib import Path

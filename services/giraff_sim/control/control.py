@@ -1,7 +1,5 @@
 """The control socket: how tests and `giraff run` look into the simulated robot and lay hands on it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """What goes over the control socket: one JSON object a line each way. SI units unless named."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 import msgspec

@@ -1,7 +1,5 @@
 """The Unix socket that requests of the control protocol arrive on, a JSON object a line."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Who drives: hands that tilt the joystick and fingers on the keyboard, from a seed."""
 
-from __future__ import annotations
-
 import bisect
 import math
 import random

@@ -1,7 +1,5 @@
 """Many seeds on all cores, what they come to together, and the rare paths that they ought to reach."""
 
-from __future__ import annotations
-
 import gc
 import hashlib
 import multiprocessing

@@ -1,7 +1,5 @@
 """The network of a home: late, lossy, cut on one side or both, and full of what was said before."""
 
-from __future__ import annotations
-
 import random
 from functools import partial
 from typing import Final, NamedTuple

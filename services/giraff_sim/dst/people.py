@@ -1,7 +1,5 @@
 """What humans do beside the joystick: a keyboard, a second joystick, and the command line's emergency stop."""
 
-from __future__ import annotations
-
 import math
 import random
 from typing import TYPE_CHECKING, Any, Final
@@ -183,7 +181,7 @@ class Button:
 
     link = None
 
-    def __init__(self, process: Process, judge: Judge) -> None:
+    def __init__(self, process: Process, judge: "Judge") -> None:
         self._process = process
         self.instance = process.instance
         self._judge = judge

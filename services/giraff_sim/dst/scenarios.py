@@ -1,7 +1,5 @@
 """What happens to the robot of a seed, and the furnished room where it happens."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 from typing import Final

@@ -1,7 +1,5 @@
 """One run from one seed: a room, people, faults, and the judge's verdict."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager

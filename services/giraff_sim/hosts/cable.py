@@ -1,7 +1,5 @@
 """A serial cable between a board and a host: bytes both ways, and the buffers of the kernel at its end."""
 
-from __future__ import annotations
-
 import hashlib
 from typing import Final
 

@@ -1,7 +1,5 @@
 """A machine's disk: what is on it outlives processes. Writing takes time, and can fail or hang."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from functools import partial
@@ -73,7 +71,7 @@ class ProcessStore:
         except KeyError:
             raise FileNotFoundError(2, "No such file or directory", self.path(name)) from None
 
-    def writer(self, name: str) -> ProcessWriter:
+    def writer(self, name: str) -> "ProcessWriter":
         return ProcessWriter(self._disk, name, self._is_wanted, self._wake)
 
 

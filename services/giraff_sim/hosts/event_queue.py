@@ -1,7 +1,5 @@
 """What is to happen at which simulated moment, and the log of what has happened, in plain words."""
 
-from __future__ import annotations
-
 import heapq
 import re
 from collections import Counter

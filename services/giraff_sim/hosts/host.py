@@ -1,7 +1,5 @@
 """A machine and its clocks."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_sim.hosts.disk import Disk

@@ -1,7 +1,5 @@
 """The network between processes: here an ideal one, which carries everything at once and loses nothing."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
@@ -16,7 +14,7 @@ class Member(Protocol):
     @property
     def host(self) -> Host: ...
 
-    def receive(self, subscription: Subscription, message: Message) -> None:
+    def receive(self, subscription: "Subscription", message: "Message") -> None:
         """A message of this subscription has arrived."""
 
 
@@ -26,7 +24,7 @@ class Message(NamedTuple):
     key: str
     """As the topics table has it, with a name in the place of `*`."""
     body: msgspec.Struct
-    answers_to: Subscription | None = None
+    answers_to: "Subscription | None" = None
     """Who waits for the answer of a request."""
 
 

@@ -1,7 +1,5 @@
 """A process in simulated time: it runs a service's own turn whenever the real loop would, on a simulated world."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
@@ -60,7 +58,7 @@ class Loop(Protocol):
     def network(self) -> Network: ...
 
     @property
-    def observer(self) -> Observer: ...
+    def observer(self) -> "Observer": ...
 
     @property
     def agenda(self) -> EventQueue: ...

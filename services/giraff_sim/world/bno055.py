@@ -1,7 +1,5 @@
 """The BNO055 of the joystick, as its registers show it; times and values are the datasheet's."""
 
-from __future__ import annotations
-
 import random
 import struct
 from enum import IntEnum, StrEnum

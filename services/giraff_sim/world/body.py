@@ -1,7 +1,5 @@
 """A robot's body, as the world and its judges see it, whatever moves it."""
 
-from __future__ import annotations
-
 from typing import Any, Literal, NamedTuple, Protocol
 
 from giraff_core.encoder_disk import Pattern

@@ -1,7 +1,5 @@
 """The demonstration's hand: a person who sees the robot and steers it round the room."""
 
-from __future__ import annotations
-
 import math
 import random
 from enum import Enum, auto

@@ -1,7 +1,5 @@
 """The robot's outline in its room: a disc that walls and posts stop."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -4,8 +4,6 @@ Axes are the board's: x grows when it is tilted forward (drive forward), y when 
 left), z is up, 9.81 when it lies flat.
 """
 
-from __future__ import annotations
-
 import bisect
 import csv
 import math

@@ -1,7 +1,5 @@
 """A room: walls, posts, edges on the floor, where the robot starts and where a hand would steer it."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import NamedTuple

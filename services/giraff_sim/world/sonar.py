@@ -4,8 +4,6 @@ What is known of the sensor: a cone of 15 degrees; 2 to 400 cm; stable up to 25-
 and a wall's normal, beyond that readings are far too long or missing; a pulse of 38 ms where nothing answers.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The world around the boards, in steps of a millisecond of simulated time: room, body, sensors, the hand."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

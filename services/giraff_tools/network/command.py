@@ -1,7 +1,5 @@
 """Run a command on the network: find the robot, open Zenoh, act, close."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """Listens to one robot on the network: its samples, and which of its services are there."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 import time

@@ -1,7 +1,5 @@
 """This machine's networks, as the kernel has them for this process: its own namespace's, whatever /sys shows."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import ipaddress

@@ -1,7 +1,5 @@
 """What an operator must know of a robot before it may ask for anything: base tells it."""
 
-from __future__ import annotations
-
 import sys
 import time
 from typing import Final

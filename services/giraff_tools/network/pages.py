@@ -1,7 +1,5 @@
 """Where a robot serves its pages: kept from each visit, so that a stop can go there when Zenoh does not answer."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 import time

@@ -1,7 +1,5 @@
 """The pictures of a robot's cameras, for who has asked for them: nobody else is sent any."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol, Self
 

@@ -1,7 +1,5 @@
 """What a run holds of this host: ports that are free, and its robot's name."""
 
-from __future__ import annotations
-
 import random
 import socket
 from typing import Final

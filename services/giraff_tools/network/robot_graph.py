@@ -1,7 +1,5 @@
 """The graph of one robot: its processes, their health, and the traffic on each key."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -154,7 +152,7 @@ class RobotGraph:
 class GraphMonitor:
     """Makes a survey; from its making on it listens."""
 
-    def __init__(self, connection: RobotConnection, meters: Iterable[HeaderSubscriber] = ()) -> None:
+    def __init__(self, connection: RobotConnection, meters: "Iterable[HeaderSubscriber]" = ()) -> None:
         self.robot_graph = RobotGraph(connection.robot)
         self._connection = connection
         self._meters = list(meters)

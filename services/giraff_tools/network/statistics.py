@@ -1,7 +1,5 @@
 """What the samples of one key tell of how they travel: counted by their makers' numbers. No clock, no network."""
 
-from __future__ import annotations
-
 from collections import Counter, deque
 from dataclasses import dataclass
 from typing import Final, NamedTuple

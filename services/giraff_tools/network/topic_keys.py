@@ -1,7 +1,5 @@
 """What somebody means who types a key: rows of the topics table, and other keys. And what only the robot may say."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 

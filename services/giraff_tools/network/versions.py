@@ -1,7 +1,5 @@
 """Tell which versions run on the machines of one robot: two formats of samples do not understand each other."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from giraff_schemas.format import SAME_VERSION

@@ -1,7 +1,5 @@
 """Where a robot's page is to be opened, told to people and their phones."""
 
-from __future__ import annotations
-
 import io
 import ipaddress
 import sys

@@ -1,7 +1,5 @@
 """The JSON document of a command that talks with a person before it can tell anything to a program."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 from collections.abc import Callable

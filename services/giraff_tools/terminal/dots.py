@@ -1,7 +1,5 @@
 """A drawing in characters: eight dots in each, or `#` where a terminal has none; and curves over time in it."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from typing import Final
@@ -27,7 +25,7 @@ class Dots:
         at = down // DOWN, across // ACROSS
         self._cells[at] = self._cells.get(at, 0) | _DOTS[down % DOWN][across % ACROSS]
 
-    def copy(self) -> Dots:
+    def copy(self) -> "Dots":
         """Return a drawing with the same dots, for more."""
         other = Dots()
         other._cells |= self._cells

@@ -1,7 +1,5 @@
 """A floor plan in characters: its walls, axes in metres, and where the robot is on it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Final

@@ -1,7 +1,5 @@
 """The person in front of a terminal, to whom something can be shown while they have not answered yet."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

@@ -1,7 +1,5 @@
 """Keys that are typed beside a live view, one by one and unechoed."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

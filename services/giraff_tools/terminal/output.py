@@ -1,7 +1,5 @@
 """What a command writes: its standard output, which whoever reads it may close, and files that are not there yet."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

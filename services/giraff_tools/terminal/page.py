@@ -1,7 +1,5 @@
 """Text with colours and columns on standard output."""
 
-from __future__ import annotations
-
 import errno
 import os
 import re

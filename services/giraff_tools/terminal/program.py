@@ -1,7 +1,5 @@
 """How this very program is called by a person, and by whom."""
 
-from __future__ import annotations
-
 import getpass
 import os
 import shlex

@@ -1,7 +1,5 @@
 """How far long work has come, on the last line of a terminal."""
 
-from __future__ import annotations
-
 import contextlib
 import select
 import sys
@@ -71,7 +69,7 @@ class Progress:
                 self._bar.stop()
 
 
-def _bar(*, ends: bool) -> rich.progress.Progress:
+def _bar(*, ends: bool) -> "rich.progress.Progress":
     import rich.progress as of  # noqa: PLC0415  for work that takes long
 
     from giraff_telemetry.console import CleanConsole  # noqa: PLC0415

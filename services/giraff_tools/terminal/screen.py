@@ -1,7 +1,5 @@
 """Where a robot is shown: a live view in a terminal, else one line a second."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import re

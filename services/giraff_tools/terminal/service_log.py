@@ -3,8 +3,6 @@
 No I/O. Times are seconds since 1970.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from datetime import datetime

@@ -1,7 +1,5 @@
 """Being told to end, while waiting for anything."""
 
-from __future__ import annotations
-
 import select
 import signal
 import socket

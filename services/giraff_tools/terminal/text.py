@@ -1,7 +1,5 @@
 """Text for a terminal."""
 
-from __future__ import annotations
-
 import re
 from typing import Any, Final
 

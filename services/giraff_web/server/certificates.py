@@ -4,8 +4,6 @@ Where the network is secured it is the host's own. Else one is made at the first
 private key is thrown away at once, so a phone that trusts it trusts this one host only, and nobody else can use it.
 """
 
-from __future__ import annotations
-
 import ssl
 import tempfile
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """One page's WebSocket: what it is told and when, and what it may say."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 from collections import deque

@@ -6,8 +6,6 @@ nothing or plain HTTP, its TLS handshake is under way, or it has agreed on TLS. 
 STOP out, and a request that is under way is never sent away.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import socket
@@ -36,7 +34,7 @@ _PLAIN: Final = (
 class Guarded(asyncio.Protocol):
     """Stands between a connection and its HTTP, and knows what it is good for."""
 
-    def __init__(self, connection: socket.socket, now: float, limiter: ConnectionLimiter) -> None:
+    def __init__(self, connection: socket.socket, now: float, limiter: "ConnectionLimiter") -> None:
         self.connection = connection
         self.inner = asyncio.Protocol()
         """Its HTTP; before TLS is agreed on it does nothing."""

@@ -1,8 +1,6 @@
 """How a crowd of one kind is kept small: who may enter, and who goes for that. One is of those who wait for base's word
 of a stop."""
 
-from __future__ import annotations
-
 import asyncio
 from collections import Counter
 from collections.abc import Iterable, Iterator

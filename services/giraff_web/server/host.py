@@ -3,8 +3,6 @@
 The socket's rights let only root and the user of the service connect. A client says one JSON line and is answered one.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import os

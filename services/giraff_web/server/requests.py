@@ -1,7 +1,5 @@
 """What a browser asks by HTTP, and what it is answered."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import math

@@ -1,7 +1,5 @@
 """`Pages` over HTTPS and WebSockets: a thread of its own, with its own event loop, beside the service's turn."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import errno

@@ -8,8 +8,6 @@ message as time of arrival, stamp in ns and values. `call`: /giraff/estop. `driv
 # Its modules are in the venv of prepare.py alone.
 # mypy: disable-error-code="import-not-found"
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -7,8 +7,6 @@ rainbow-rb-zenoh exports all of its C symbols, of the version that rmw_zenoh_cpp
 for a test, and for nothing else. Shared memory, which that module lacks, is cut out of the source.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

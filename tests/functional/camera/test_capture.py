@@ -1,7 +1,5 @@
 """The thread that reads a camera: the newest picture, a camera that fails, one that hangs."""
 
-from __future__ import annotations
-
 import socket
 import time
 from collections.abc import Iterator

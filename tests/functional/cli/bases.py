@@ -1,7 +1,5 @@
 """A base made of Python, for whoever asks one to stop."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Iterator

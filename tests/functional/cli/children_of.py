@@ -5,8 +5,6 @@
 The modules are found beside DIRECTORY's logs. Prints their process ids in one line.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import time

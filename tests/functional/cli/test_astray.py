@@ -1,7 +1,5 @@
 """A stop that cannot know its way is tried all the same, and the command that it names reaches the robot for sure."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

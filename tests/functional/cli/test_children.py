@@ -1,7 +1,5 @@
 """No process of a run outlives it, however either ends. The processes are stand-ins of a line or two."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

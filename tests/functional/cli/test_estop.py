@@ -1,7 +1,5 @@
 """`giraff estop` with real sessions, against a base made of Python. Each case of it: tests/unit/cli/test_estop.py."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """`giraff logs` as a process, with stand-ins for journalctl and docker, and a log as `giraff run` leaves it."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """A run leaves nothing behind: what was killed is cleared away by the next one, and nothing else is."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import subprocess

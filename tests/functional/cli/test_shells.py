@@ -1,7 +1,5 @@
 """The TAB key of real shells completes `giraff`, and expands nothing."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -3,8 +3,6 @@
 Each answer: tests/unit/cli/test_stop_page.py.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Being told to end wakes whoever waits, at once."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -1,7 +1,5 @@
 """What is on the network reaches the telemetry; a namesake is found."""
 
-from __future__ import annotations
-
 import json
 import secrets
 import time

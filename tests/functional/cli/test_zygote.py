@@ -1,7 +1,5 @@
 """`giraff` as the tests fork it (tests/support/zygote.py): like a fresh one, and it outlives nobody who asked."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

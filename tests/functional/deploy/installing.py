@@ -1,7 +1,5 @@
 """scripts/install on a copy of the tree, below a directory, with the true Python or with one that only seems to be."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

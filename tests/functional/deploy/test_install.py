@@ -1,7 +1,5 @@
 """`make install`: whole or not at all, again without harm, and never over what somebody has changed."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

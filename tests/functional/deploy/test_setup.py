@@ -1,7 +1,5 @@
 """`make run` where packages are missing: one line to paste names them all."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

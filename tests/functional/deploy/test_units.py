@@ -1,7 +1,5 @@
 """deploy/systemd, judged by systemd's own tools: needs what Debian's package systemd brings, not a running systemd."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The wheel holds all that its verbs read; those that need the repository's tree say so."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the tests of the operator's desk share: for each file a robot, which none may harm, and a desk beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

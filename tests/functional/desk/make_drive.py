@@ -6,8 +6,6 @@ A simulated robot is recorded from before its services start: it is armed, backs
 backs, turns, meets a wall that comes from nowhere, and is laid down.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 import time

@@ -1,7 +1,5 @@
 """The examples of `giraff_client` as people run them, beside the simulated robot."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator

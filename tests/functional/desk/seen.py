@@ -1,7 +1,5 @@
 """What is to be seen on a picture: where a colour is, and on which side of the robot."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What can be wrong with a robot or its machines, made real, and what `giraff doctor` says of it."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -3,8 +3,6 @@
 The robot may be lost at any time, when this machine stands still: then whoever drives arms it again.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import signal

@@ -1,7 +1,5 @@
 """`giraff doctor`: silent beside a healthy robot, and with one thing wrong it names that."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

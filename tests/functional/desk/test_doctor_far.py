@@ -1,7 +1,5 @@
 """`giraff doctor` on machines of a network that does not let through, or does not trust."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

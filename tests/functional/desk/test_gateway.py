@@ -1,7 +1,5 @@
 """The gateway as it really runs: a process, a pty for its Arduino, and somebody on the network."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

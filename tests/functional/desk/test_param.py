@@ -1,7 +1,5 @@
 """`giraff param` against the simulated robot: what is set counts at once, what is saved counts after a restart."""
 
-from __future__ import annotations
-
 import json
 import re
 import time

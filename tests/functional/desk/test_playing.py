@@ -1,7 +1,5 @@
 """A recording is said again, where nothing else is to do, faster than anybody listens."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from giraff_mcap.raw_sample import RawSample

@@ -1,7 +1,5 @@
 """`giraff view` as it is used: on a recording of the simulated robot, and beside the robot itself, without a screen."""
 
-from __future__ import annotations
-
 import math
 import signal
 import socket

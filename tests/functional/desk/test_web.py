@@ -4,8 +4,6 @@ The phone sees by the robot's camera.
 By the world's truth. What a machine that stands still has ended is done again, as a person would.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """The viewer's own process: what it can draw."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`giraff view` on the robot's host, without a screen."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

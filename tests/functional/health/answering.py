@@ -1,7 +1,5 @@
 """Somebody to ask: a socket that answers what the test says, or nothing."""
 
-from __future__ import annotations
-
 import os
 import socket
 import subprocess

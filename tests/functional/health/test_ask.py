@@ -1,7 +1,5 @@
 """The program that asks a service how it is: its exit codes and its words, and that it waits for nobody."""
 
-from __future__ import annotations
-
 import socket
 from pathlib import Path
 

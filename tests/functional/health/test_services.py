@@ -1,7 +1,5 @@
 """What each service counts as its own fault: a board that is not there, and not that nobody else is."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Docker's check: at once where something may be wrong, and else it stays, as long as all loops turn."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from pathlib import Path

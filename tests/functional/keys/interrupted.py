@@ -4,8 +4,6 @@ Before each operation every private key below the tree is looked at. Prints, as 
 run and the keys that others could read at any moment.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Keys on disk: nobody else can read one at any moment, and what is interrupted leaves the old or the new, whole."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

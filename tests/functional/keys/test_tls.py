@@ -1,7 +1,5 @@
 """Zenoh's TLS takes these certificates, and nobody else's."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import shutil

@@ -1,7 +1,5 @@
 """A service on a secured network tells of keys that are about to fail it, by its log and its health."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Processes on one loopback, and what the test says to them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

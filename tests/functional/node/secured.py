@@ -4,8 +4,6 @@ That something does not come is shown by what is sent after it over the same lin
 that are tried, each host may tell marks and hear them.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -35,7 +33,7 @@ _PATIENCE: Final = 60.0
 MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard")
 
 
-def direct(callback: Callable[[Any], object]) -> zenoh.handlers.Callback[Any]:
+def direct(callback: Callable[[Any], object]) -> "zenoh.handlers.Callback[Any]":
     """Called by the link itself, so that what came first was also taken first, on whatever keys it came."""
     return zenoh.handlers.Callback(callback, indirect=False)
 

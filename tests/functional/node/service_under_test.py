@@ -1,7 +1,5 @@
 """A little service for test_node: says ticks, counts those it hears, and does as its role asks."""
 
-from __future__ import annotations
-
 import sys
 import time
 from pathlib import Path

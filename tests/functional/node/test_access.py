@@ -1,7 +1,5 @@
 """Who may do what on a secured network: the rules, tried with real certificates on one loopback."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from contextlib import ExitStack

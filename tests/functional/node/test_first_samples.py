@@ -1,7 +1,5 @@
 """The first samples of a process come in several of Zenoh's threads at once."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from typing import Final

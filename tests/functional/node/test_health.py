@@ -1,7 +1,5 @@
 """A service as healthchecks and systemd see it: by its own loop, so that one that hangs looks hung."""
 
-from __future__ import annotations
-
 import signal
 import socket
 from collections.abc import Iterator

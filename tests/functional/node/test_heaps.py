@@ -1,7 +1,5 @@
 """A service's threads share their heaps, and what was large goes back to the machine."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

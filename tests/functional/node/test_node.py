@@ -1,7 +1,5 @@
 """A node as a process: peers meet on the loopback alone, end cleanly, and hide nothing. How soon: tests/timing."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

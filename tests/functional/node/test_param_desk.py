@@ -1,7 +1,5 @@
 """Where a service is asked for its parameters: what a disk that is slow, and who asks without end, do to it."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from functools import partial

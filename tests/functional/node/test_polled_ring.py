@@ -1,7 +1,5 @@
 """Samples that make no turn due wait in a ring of a real session."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from giraff_core.network import NetworkConfig

@@ -1,7 +1,5 @@
 """The thread that writes what is kept: it tells how that went, and nobody waits for the disk."""
 
-from __future__ import annotations
-
 import threading
 from pathlib import Path
 

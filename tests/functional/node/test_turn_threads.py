@@ -1,7 +1,5 @@
 """Turns that a sample's own thread makes, by threads that change places wherever they can."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import threading

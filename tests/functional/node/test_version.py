@@ -1,7 +1,5 @@
 """A version tells programs apart that the number alone does not."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The end of a process whose loop does not turn: it has the stacks in its log wherever they can be written."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

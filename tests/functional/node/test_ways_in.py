@@ -1,7 +1,5 @@
 """A port of a door at which nobody answers, because others call there all the time."""
 
-from __future__ import annotations
-
 import socket
 from contextlib import closing
 from pathlib import Path

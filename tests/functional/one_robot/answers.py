@@ -1,7 +1,5 @@
 """What many commands say of a robot that none of them changes: called beside each other, for the tests to judge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the tests of this folder share: one robot that none of them harms for good, and a desk beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

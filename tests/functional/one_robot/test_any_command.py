@@ -3,8 +3,6 @@
 What they say without a robot, beside two, and of what a robot has not: tests/unit/cli/test_any_command.py.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from giraff_schemas.topics import alive_key

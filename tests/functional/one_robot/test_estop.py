@@ -1,7 +1,5 @@
 """`giraff stop` and `giraff estop` from any machine, against the whole robot."""
 
-from __future__ import annotations
-
 import socket
 import threading
 from contextlib import ExitStack

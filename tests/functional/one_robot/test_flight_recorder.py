@@ -1,7 +1,5 @@
 """The flight recorder beside a robot: an emergency stop leaves a file of the moments before and after."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """`giraff node`, `graph`, `frames` and `top` beside a running robot."""
 
-from __future__ import annotations
-
 import math
 import re
 import signal

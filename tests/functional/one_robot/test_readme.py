@@ -1,7 +1,5 @@
 """The README's example: any machine subscribes with plain zenoh and msgpack, and no code of ours."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

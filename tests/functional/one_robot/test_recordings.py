@@ -1,7 +1,5 @@
 """A robot that drives is recorded, and what was recorded is said again."""
 
-from __future__ import annotations
-
 import os
 import resource
 import signal

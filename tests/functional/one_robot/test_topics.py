@@ -1,7 +1,5 @@
 """`giraff topic` beside a running robot."""
 
-from __future__ import annotations
-
 import json
 import random
 import signal

@@ -1,7 +1,5 @@
 """`giraff watch` beside the real robot: on a terminal and into a pipe, while the robot drives, dies and comes back."""
 
-from __future__ import annotations
-
 import fcntl
 import re
 import signal

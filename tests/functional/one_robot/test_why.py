@@ -1,7 +1,5 @@
 """`giraff why` from any machine, of the real robot. Each cause that it tells: tests/unit/cli/test_diagnosis.py."""
 
-from __future__ import annotations
-
 import msgspec
 
 from tests.support.elsewhere import giraff

@@ -1,7 +1,5 @@
 """`giraff calibrate odometry` beside a running robot: somebody in a terminal, and the wheels of another process."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import signal

@@ -1,7 +1,5 @@
 """`giraff check wheels` on the real firmware: a wiring that nobody told it of is found, proved and written."""
 
-from __future__ import annotations
-
 import subprocess
 import tomllib
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """A robot of processes that does not start: nothing of it stays, and it says why."""
 
-from __future__ import annotations
-
 import threading
 from contextlib import suppress
 from pathlib import Path

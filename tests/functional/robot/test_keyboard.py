@@ -1,7 +1,5 @@
 """The keyboard as it really runs: a process in a terminal, somebody who types, and the board's own record."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Iterator
 

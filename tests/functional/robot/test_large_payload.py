@@ -1,7 +1,5 @@
 """One payload as large as somebody likes, on all keys of a robot: nobody keeps it, and the robot drives on."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 A motion that a machine which stands still has ended is asked for anew.
 """
 
-from __future__ import annotations
-
 import math
 import signal
 import subprocess

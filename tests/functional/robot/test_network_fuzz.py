@@ -1,7 +1,5 @@
 """Payloads of any kind over the network, at each key of a robot of real processes: no crash, no motion."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.support.network_fuzz import fuzz_network

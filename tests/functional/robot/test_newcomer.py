@@ -1,7 +1,5 @@
 """Somebody who has just typed `giraff run`, and pastes what it prints and what README says, in another folder."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """A robot whose network is not there when it starts: driven on its own host, and from afar when the network comes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Nothing that is said again moves the robot, neither a drive nor a reset. Nor does a second hand."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

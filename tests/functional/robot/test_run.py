@@ -1,7 +1,5 @@
 """`giraff run` as people and scripts use it: a drive, a child that dies, a name that is taken."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """How `giraff run` ends: in a terminal, killed, and while it has hardly begun."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os

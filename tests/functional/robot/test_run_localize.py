@@ -1,7 +1,5 @@
 """`giraff run --localize` and `giraff localize` as processes: found, shown, told where the robot is, and summed up."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import signal

@@ -1,7 +1,5 @@
 """`giraff run --web` and `giraff web` as processes: addresses that open, and nothing left behind."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Serial lines that break: replugged, absent, and full of noise. What an unplugged board stops is a row of faults."""
 
-from __future__ import annotations
-
 import os
 import random
 import tty

@@ -3,8 +3,6 @@
 It comes late, says as JSON lines what it has read, and after a line on its standard input calls `/giraff/estop`.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import threading

@@ -4,8 +4,6 @@ A number: the speed, m/s, that it publishes on `/cmd_vel` 20 times a second; it 
 `silent`: no more of them. `goal X`: one `/goal_pose` at X m in `odom`.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import threading

@@ -3,8 +3,6 @@
 Judged by the simulated world.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The robot's node on a ROS network, met by bare Zenoh sessions that say what rmw_zenoh_cpp says."""
 
-from __future__ import annotations
-
 import socket
 import time
 from collections.abc import Callable, Iterator

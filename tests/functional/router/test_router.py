@@ -1,7 +1,5 @@
 """Who may do what through a router, and what it is believed: real links, certificates and rules."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import closing
 from datetime import UTC, datetime

@@ -1,7 +1,5 @@
 """Driving a robot at another site: the real services on host boards, with nothing but a router between the sites."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from giraff_schemas.topics import ODOM, key_of

@@ -1,7 +1,5 @@
 """Base as a process, without a board: what the emergency stop is after base was killed and started again."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time
@@ -111,7 +109,7 @@ class Base:
         self.wait(answered)
         return answers[0]
 
-    def _listen(self, topic: Topic[Tick] | Topic[EStop]) -> zenoh.Subscriber[None]:
+    def _listen(self, topic: Topic[Tick] | Topic[EStop]) -> "zenoh.Subscriber[None]":
         def on_sample(received: zenoh.Sample) -> None:
             self._newest[topic.key] = msgspec.msgpack.decode(bytes(received.payload), type=topic.schema)
 

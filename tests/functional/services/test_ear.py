@@ -1,7 +1,5 @@
 """What a recorder hears, on a session that hears itself."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """The router's process: what it refuses, that it can be asked how it is, and its end."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

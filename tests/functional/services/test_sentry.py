@@ -1,7 +1,5 @@
 """The sentry's process beside a secured robot: whoever tries what is not theirs is named in its log."""
 
-from __future__ import annotations
-
 import json
 import os
 import socket

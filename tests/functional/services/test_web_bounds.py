@@ -1,7 +1,5 @@
 """What no page can do to the real server: floods, crowds, silence and nonsense."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import gc

@@ -1,7 +1,5 @@
 """The real server on loopback: who may watch, drive and stop, and what each is told."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import ssl

@@ -1,7 +1,5 @@
 """The simulated camera's socket: who reads gets pictures of the room as it is now, one reader at a time."""
 
-from __future__ import annotations
-
 import json
 import socket
 import threading

@@ -4,8 +4,6 @@ There are no boards and no services but odometry's policy, so that a drive of 40
 person, who sees what stands there; the robot is one that nobody has calibrated.
 """
 
-from __future__ import annotations
-
 import hashlib
 import heapq
 import math

@@ -1,7 +1,5 @@
 """The floors that a robot is looked for on: what stands there, beside what the map says of it."""
 
-from __future__ import annotations
-
 import math
 import random
 from pathlib import Path

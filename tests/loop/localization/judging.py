@@ -1,7 +1,5 @@
 """What a localization says of drives, against the truth."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections.abc import Callable, Iterable, Sequence

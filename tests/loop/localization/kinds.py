@@ -1,7 +1,5 @@
 """The kinds of drives that a localization is judged by."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from typing import Final, NamedTuple

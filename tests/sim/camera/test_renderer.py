@@ -1,7 +1,5 @@
 """The simulated camera's pictures, held to projections that are worked out here."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import Any

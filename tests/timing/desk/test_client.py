@@ -1,7 +1,5 @@
 """The examples of `giraff_client` to their end, and how soon a script that hangs or dies is no more obeyed."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal

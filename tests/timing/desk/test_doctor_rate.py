@@ -1,7 +1,5 @@
 """`giraff doctor` beside a service that is too slow."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -1,7 +1,5 @@
 """How much of the moments before and after an emergency stop the flight recorder keeps."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How soon what `giraff param` sets counts."""
 
-from __future__ import annotations
-
 import statistics
 import time
 from pathlib import Path

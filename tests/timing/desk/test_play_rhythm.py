@@ -1,7 +1,5 @@
 """The rhythm in which a recording is said again, where nothing else is to do, and its pace."""
 
-from __future__ import annotations
-
 import gc
 import time
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What `giraff top` and `giraff topic` measure beside a running robot, and how long that takes them."""
 
-from __future__ import annotations
-
 import json
 import time
 

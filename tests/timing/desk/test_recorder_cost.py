@@ -1,7 +1,5 @@
 """What a recorder costs, how much of a minute is in its file, and how much a kill takes of it."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

@@ -5,8 +5,6 @@ are compared in form: numbers, ids and blanks may differ. tests/unit/docs/test_b
 names for its words and options.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

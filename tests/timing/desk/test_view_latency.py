@@ -1,7 +1,5 @@
 """How soon what a robot says is in the viewer."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import statistics

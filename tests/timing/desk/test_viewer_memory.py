@@ -1,7 +1,5 @@
 """What the viewer's own process keeps of what it was told."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Iterator

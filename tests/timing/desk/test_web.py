@@ -3,8 +3,6 @@
 By the simulator's record of the motors, as the fault table is judged.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final

@@ -3,8 +3,6 @@
 Page, services and test are on one host: all moments are of its wall clock.
 """
 
-from __future__ import annotations
-
 import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence

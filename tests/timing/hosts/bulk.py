@@ -4,8 +4,6 @@ python bulk.py send|count ROBOT. A camera's or a recording's kind of stream: lar
 fast as they go. `count` prints the bytes that have come, once a second.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

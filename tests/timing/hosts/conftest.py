@@ -1,7 +1,5 @@
 """A lab for each file of this folder, and what they measured."""
 
-from __future__ import annotations
-
 import subprocess
 import time
 from collections.abc import Callable, Iterator

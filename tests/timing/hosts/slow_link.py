@@ -1,7 +1,5 @@
 """The robot at the end of a bad cable, with a bulk stream in its way, driven in circles."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time

@@ -1,7 +1,5 @@
 """docker-compose up on laptop, robot and desk: how soon they find each other, and survive each other. In this order."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The robot's computer started without any network, and driven by its own keyboard."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The flight recorder beside the robot's services, while a host vanishes."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """How soon three hosts are driven on networks without multicast, and with certificates."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A minute of driving over a bad link: each stop has its reason. `tests/timing/long` drives for ten."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

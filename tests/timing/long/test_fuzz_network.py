@@ -1,7 +1,5 @@
 """Payloads over the network at a robot of real processes, half an hour long: no crash, no motion, memory flat."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import msgspec

@@ -1,7 +1,5 @@
 """Ten minutes of a drive, recorded: every sample, at what cost, what the drive feels of it, and said again."""
 
-from __future__ import annotations
-
 import gc
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Ten minutes of driving over a bad link, from one host to another."""
 
-from __future__ import annotations
-
 import subprocess
 from contextlib import closing
 

@@ -1,7 +1,5 @@
 """Ten minutes of `giraff run`: rates, gaps, memory."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

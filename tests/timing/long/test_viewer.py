@@ -1,7 +1,5 @@
 """An hour of a robot in a viewer that may keep little: at twenty times its speed, what it takes of memory."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 import time

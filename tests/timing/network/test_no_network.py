@@ -1,7 +1,5 @@
 """How soon a robot is driven whose network is not there when it starts, and how soon from afar when it comes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

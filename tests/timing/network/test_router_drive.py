@@ -1,7 +1,5 @@
 """Driving a robot at another site: the real services on host boards, with nothing but a router between the sites."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

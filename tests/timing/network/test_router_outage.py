@@ -1,7 +1,5 @@
 """A router that is lost, and a place that is lost to it."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """A robot as many tests of base begin with it."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.unit.base.rig import Rig

@@ -1,7 +1,5 @@
 """Base's policy on a small board, in simulated robot time: the rig of these tests."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_base.config import BaseConfig

@@ -1,7 +1,5 @@
 """Whatever happens in whatever order: the robot moves only when armed, on fresh commands, and says why it does not."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import msgspec

@@ -1,7 +1,5 @@
 """When the robot may move: only after a held neutral hand, and never again by itself after a reset of any kind."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """A battery that runs down: half speed and a warning, then the emergency stop; a dip under load is neither."""
 
-from __future__ import annotations
-
 from random import Random
 
 import msgspec

@@ -1,7 +1,5 @@
 """Base and its board: configuration, echoes, and what base says about it."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import msgspec

@@ -1,7 +1,5 @@
 """A command drives only while everything it stands on is fresh, to the nanosecond."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 from hypothesis import given

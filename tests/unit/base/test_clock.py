@@ -1,7 +1,5 @@
 """The robot's clock: after a suspend everything is old, and one that goes back makes nothing old look new."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.unit.base.rig import Rig, moving

@@ -1,7 +1,5 @@
 """The emergency stop in base: it stops with the next frame, and only a fresh reset of this very latch permits again."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

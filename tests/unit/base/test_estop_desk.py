@@ -1,7 +1,5 @@
 """Between asking, memory and disk: a stop never waits for the disk, and nothing is permitted that is not on it."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Generic, TypeVar
 

@@ -1,7 +1,5 @@
 """One guard at a time: base is bound to it, and no copy, replay or double moves the robot."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

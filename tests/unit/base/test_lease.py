@@ -1,7 +1,5 @@
 """Only the holder of the lease arms and drives, and only a hand that is held neutral without a gap arms."""
 
-from __future__ import annotations
-
 import random
 
 import msgspec

@@ -1,7 +1,5 @@
 """Off in base's emergency stop: asked for by its own word, kept on disk, and ended by a reset alone."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

@@ -1,7 +1,5 @@
 """Every stop says why, the first cause first; and what forbids motion forbids arming, too."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import msgspec

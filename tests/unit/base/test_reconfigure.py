@@ -1,7 +1,5 @@
 """What is tightened while the robot drives counts at once, in each part that judges by it."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

@@ -1,7 +1,5 @@
 """Base and a board that holds speeds: what is asked of it, a wheel that is held, and one at its limit."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import msgspec

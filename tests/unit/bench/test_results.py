@@ -1,7 +1,5 @@
 """The page of docs says what the results say, and a run that misses a target says so."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

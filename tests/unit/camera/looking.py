@@ -1,7 +1,5 @@
 """A camera's policy and those who look at it, over links with a rate and a delay, in simulated time."""
 
-from __future__ import annotations
-
 import heapq
 import itertools
 from collections.abc import Iterator

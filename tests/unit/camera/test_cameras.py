@@ -1,7 +1,5 @@
 """The cameras of the kernel's and the simulated one: what they give, and what is said where they do not."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import json

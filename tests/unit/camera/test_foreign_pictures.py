@@ -1,7 +1,5 @@
 """Pictures that others made, before the decoders of the camera, of vision and of the calibration."""
 
-from __future__ import annotations
-
 import random
 import resource
 import struct

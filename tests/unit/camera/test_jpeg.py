@@ -1,7 +1,5 @@
 """JPEGs stay within their bytes, whatever the picture is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Who sees a camera's pictures, how long, and what they take of a link."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_camera.policy import LATE, MOST_ASKERS, MOST_ON_THE_WAY, PicturePolicy

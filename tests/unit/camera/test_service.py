@@ -1,7 +1,5 @@
 """The camera is open while somebody looks, and shows him nothing that was taken before."""
 
-from __future__ import annotations
-
 from unittest.mock import MagicMock
 
 import msgspec

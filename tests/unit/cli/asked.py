@@ -1,7 +1,5 @@
 """A robot that is asked in simulated time, and whoever answers there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from types import ModuleType
 from typing import Any, cast

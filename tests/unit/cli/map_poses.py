@@ -1,7 +1,5 @@
 """What localization says, as it would say it."""
 
-from __future__ import annotations
-
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import Candidate, LocalizationState, MapPose, PlanarPose
 from giraff_schemas.trouble import Trouble

@@ -1,7 +1,5 @@
 """A network on which robots are, and say nothing; and a clock that goes on when somebody waits."""
 
-from __future__ import annotations
-
 import gc
 from collections.abc import Callable, Iterable
 from pathlib import Path

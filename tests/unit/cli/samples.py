@@ -1,7 +1,5 @@
 """Samples as the services would make them, and a telemetry that has heard ten seconds of a drive."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

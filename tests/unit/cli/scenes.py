@@ -1,7 +1,5 @@
 """A robot in order as `giraff why` hears it, and everything that can stop it: the link to blame, and its words."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -77,17 +75,17 @@ class Scene:
         self.put(topics.ESTOP, estop(), "b")
         self.put(topics.WHEELS, wheels(NOW), "b")
 
-    def put(self, topic: Topic[Any], sample: Any, maker: str, name: str = "") -> Scene:
+    def put(self, topic: Topic[Any], sample: Any, maker: str, name: str = "") -> "Scene":
         self.sent[topic.at(name).key if name else topic.key, maker] = topic, name, sample, maker
         return self
 
-    def drop(self, *gone: Topic[Any]) -> Scene:
+    def drop(self, *gone: Topic[Any]) -> "Scene":
         """These are not heard."""
         keys = {topic.key for topic in gone}
         self.sent = {place: sent for place, sent in self.sent.items() if sent[0].key not in keys}
         return self
 
-    def end(self, service: str) -> Scene:
+    def end(self, service: str) -> "Scene":
         """A service that is not running, with all that follows."""
         self.alive.remove(service)
         {"joystick": self._no_joystick, "guard": self._no_guard, "base": self._no_base, "ranger": self._no_ranger}[
@@ -95,14 +93,14 @@ class Scene:
         ]()
         return self
 
-    def complain(self, service: str, what: str | Trouble) -> Scene:
+    def complain(self, service: str, what: str | Trouble) -> "Scene":
         """A service that is there, and says what is wrong with it."""
         self.alive.add(service)
         faults = (Trouble(what) if isinstance(what, str) else what,)
         self.health.append(Health(service=service, instance="0", host="h", pid=1, uptime=1.0, ok=False, faults=faults))
         return self
 
-    def hang(self, service: str, *topics: Topic[Any]) -> Scene:
+    def hang(self, service: str, *topics: Topic[Any]) -> "Scene":
         """A service that is there, does not answer, and is not heard on `topics`."""
         self.hung = frozenset({service})
         return self.drop(*topics)

@@ -1,7 +1,5 @@
 """Where a page is to be opened: for people a code, for programs a line each."""
 
-from __future__ import annotations
-
 import io
 import os
 import sys

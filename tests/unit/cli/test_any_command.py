@@ -1,7 +1,5 @@
 """What holds of every `giraff` command: no robot, two robots, another robot, a key that is not there."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Who looks at a camera of the robot from a terminal: what is asked for, shown, saved and recorded."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

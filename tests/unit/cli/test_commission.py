@@ -1,7 +1,5 @@
 """`giraff commission`: the order of the steps, and what a robot file tells of each."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

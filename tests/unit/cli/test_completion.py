@@ -1,7 +1,5 @@
 """What a shell is told at the TAB key: of the network where a robot answers, else of the tables, and nothing else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """When the hand of a demonstration is flat, by what it hears alone."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_cli.run.demonstration import ASKS, DRIVES, FLAT, QUIET, SETTLES, WARNING, Demonstration

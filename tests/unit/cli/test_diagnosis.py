@@ -1,7 +1,5 @@
 """`giraff why`: for each thing that can stop a robot, the link that is to blame is named, and no other."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What `giraff doctor` prints: where this host's own keys are of no use any more, and its last line."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 

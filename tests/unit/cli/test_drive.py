@@ -1,7 +1,5 @@
 """What a person who drives with keys sees, and what of a robot must be known before."""
 
-from __future__ import annotations
-
 import ast
 import io
 import os
@@ -67,18 +65,18 @@ class Desk:
         self.take(base(), guard(verdict()), estop(), Battery(voltage=24.3), odometry(0, 1.25, 0.5, 0.3))
         self.take(reading("front_left", 1.23), reading("front_right", None, "clear"), reading("rear", 0.4))
 
-    def take(self, *samples: Sample) -> Desk:
+    def take(self, *samples: Sample) -> "Desk":
         for sample in samples:
             self.view.on_sample(stamped(sample, self.seq, 0, "m"), self.person.now)
         self.seq += 1
         return self
 
-    def holds(self, holder: str, operator: str, reason: Trouble = NO_TROUBLE, unranked: tuple[str, ...] = ()) -> Desk:
+    def holds(self, holder: str, operator: str, reason: Trouble = NO_TROUBLE, unranked: tuple[str, ...] = ()) -> "Desk":
         lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, unranked=unranked)
         self.person.policy.operator.on_lease(stamped(lease, 1, 0, "g"))
         return self
 
-    def mine(self) -> Desk:
+    def mine(self) -> "Desk":
         return self.holds("me", "keyboard")
 
     @property

@@ -3,8 +3,6 @@
 With real sessions: tests/functional/cli/test_estop.py.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Which robot a command takes where it was typed so: for those that look, those that move, and those that stop."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import socket
@@ -40,21 +38,21 @@ class Host:
         self._capsys = capsys
         self._folder = folder
 
-    def beside(self, *robots: str) -> Host:
+    def beside(self, *robots: str) -> "Host":
         meet(self._monkeypatch, *(alive_key(robot, "base", "1") for robot in robots))
         return self
 
-    def with_file(self, robot: str) -> Host:
+    def with_file(self, robot: str) -> "Host":
         (self._folder / "deploy").mkdir()
         (self._folder / FILE).write_text(f'[robot]\nname = "{robot}"\n')
         return self
 
-    def at_a_terminal(self, answers: str) -> Host:
+    def at_a_terminal(self, answers: str) -> "Host":
         self._monkeypatch.setattr(consent, "_is_terminal", lambda: True)
         self._monkeypatch.setattr(sys, "stdin", io.StringIO(answers))
         return self
 
-    def types(self, *words: str) -> Said:
+    def types(self, *words: str) -> "Said":
         return Said(*typed(self._monkeypatch, self._capsys, *words))
 
 

@@ -1,7 +1,5 @@
 """What `giraff doctor` concludes from facts."""
 
-from __future__ import annotations
-
 import fcntl
 import socket
 from contextlib import ExitStack

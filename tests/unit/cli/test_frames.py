@@ -1,7 +1,5 @@
 """What `giraff frames` makes of transforms."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The gains of a robot that balances are those of the physics in its robot file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import msgspec

@@ -1,7 +1,5 @@
 """`giraff graph --dot`: services and keys are boxes of their own, also where they are called the same."""
 
-from __future__ import annotations
-
 import re
 
 from giraff_cli.graph.graph import Edge, Graph, dot

@@ -1,7 +1,5 @@
 """Text of the network in a terminal and in logs: it steers nothing, whoever has written it."""
 
-from __future__ import annotations
-
 import io
 import json
 import logging

@@ -1,7 +1,5 @@
 """A question at a terminal: what is typed counts line by line, and meanwhile something is shown."""
 
-from __future__ import annotations
-
 import io
 import os
 import pty

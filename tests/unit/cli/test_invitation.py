@@ -1,7 +1,5 @@
 """What a run prints to be pasted: in any folder, and with no word too many."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What doctor says of a machine that has IPv6 addresses alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Commands that write or tell something tell it to programs, too: one JSON document, and nothing else."""
 
-from __future__ import annotations
-
 import io
 import json
 import re

@@ -1,7 +1,5 @@
 """What localization says against the truth, and how much of the way it said what."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -3,8 +3,6 @@
 With real processes: tests/functional/robot/test_run_localize.py.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import math

@@ -1,7 +1,5 @@
 """`giraff localize --from`: a recorded drive through a localization that says what a test wants it to."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

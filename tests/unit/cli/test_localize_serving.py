@@ -1,7 +1,5 @@
 """`giraff localize` while it goes on: the service in a terminal with a place to be told, and one that is followed."""
 
-from __future__ import annotations
-
 from typing import Any, cast
 
 import pytest

@@ -1,7 +1,5 @@
 """The words of services, as the journal, containers and `giraff run` keep them, in one order."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from datetime import datetime

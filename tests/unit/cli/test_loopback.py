@@ -1,7 +1,5 @@
 """A host whose loopback is down, as in a container's fresh network: it is named at once, with the remedy."""
 
-from __future__ import annotations
-
 import errno
 import socket
 from pathlib import Path

@@ -3,8 +3,6 @@
 With real processes: tests/functional/robot/test_motion.py.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 With real processes: tests/functional/desk/test_client.py.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Doctor, why and watch go by the robot that is there: one without ultrasonic sensors, one with a slower board."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import msgspec

@@ -1,7 +1,5 @@
 """Which parameter somebody means: of a whole table, of a bare field, of a name that is mistyped."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Options are checked before anything is started."""
 
-from __future__ import annotations
-
 import io
 import math
 import os

@@ -1,7 +1,5 @@
 """How far long work has come is shown to a person at a terminal, and to nobody else."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import pty

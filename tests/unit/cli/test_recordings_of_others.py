@@ -1,7 +1,5 @@
 """Each command that reads a recording reads what is sound of a bad one, and its exit code tells that it was not all."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

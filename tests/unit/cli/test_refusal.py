@@ -4,8 +4,6 @@ A session of another kind than the robot's meets whoever else is there, and a st
 obey, and confirm, in its place.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Never
 

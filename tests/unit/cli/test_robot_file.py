@@ -1,7 +1,5 @@
 """A check writes its fields into the robot file, and nothing else."""
 
-from __future__ import annotations
-
 import os
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a run does each time that it looks: the key of the code, and localization told its place."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The page of a run: its room as odometry sees it, and the addresses that its service prints."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A service's log: each of its lines is read, and the last ones tell why it ended."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a person sees: the live view, the line, the summary."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

@@ -3,8 +3,6 @@
 With a page that answers over TLS: tests/functional/cli/test_stop_page.py.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Where `giraff estop engage` tries to stop a robot whose robot file or environment cannot be used."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Each way in which a person in a hurry types a stop."""
 
-from __future__ import annotations
-
 import shlex
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Samples counted by their makers' numbers: what is lost, late and double, and how often it was said."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

@@ -1,7 +1,5 @@
 """What is heard and seen becomes rates, losses, ages and errors."""
 
-from __future__ import annotations
-
 import math
 from unittest.mock import MagicMock
 

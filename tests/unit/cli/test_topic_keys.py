@@ -1,7 +1,5 @@
 """Which topic somebody means, and what nobody may say in a robot's name."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """Verbs of a wheel that lack something say what, and what to type."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

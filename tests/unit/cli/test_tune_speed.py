@@ -3,8 +3,6 @@
 Real firmware with bad gains: tests/sim/test_tuned_speed.py.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Lengths, angles and patterns as they are typed: what is meant, and what is refused in a line with the way out."""
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Keys beside a live view: read at once and unechoed, and the terminal left as it was."""
 
-from __future__ import annotations
-
 import os
 import pty
 import sys

@@ -1,7 +1,5 @@
 """What is typed wrong is told in one line, with the way out, and nothing is done."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

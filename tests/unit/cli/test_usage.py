@@ -1,7 +1,5 @@
 """Help is for a person in front of a terminal of 80 columns."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The shape by which `giraff view` draws a robot: the robot's own, or the picture says whose."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`giraff view --web`: what it prints, and what it serves."""
 
-from __future__ import annotations
-
 import socket
 import urllib.request
 

@@ -1,7 +1,5 @@
 """`giraff vision --from` and `giraff replay`: a short drive before the simulated camera, recorded and as a video."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from functools import cache

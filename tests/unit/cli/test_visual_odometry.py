@@ -1,7 +1,5 @@
 """What a run tells of a camera that sees the robot move: in the summary, the live view and the line."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import msgspec

@@ -1,7 +1,5 @@
 """`giraff watch` of a robot that only says things. Of a real one: tests/functional/one_robot/test_watch.py."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Iterator, Sequence

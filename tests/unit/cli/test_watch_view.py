@@ -1,7 +1,5 @@
 """What a person or a script sees of a live robot."""
 
-from __future__ import annotations
-
 import io
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """`giraff web --devices` and `--end`: what a person is told of the pages that are open here."""
 
-from __future__ import annotations
-
 import json
 import socket
 from pathlib import Path

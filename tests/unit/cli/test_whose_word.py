@@ -1,7 +1,5 @@
 """Whose word a confirmed stop is, as `giraff estop engage` says it."""
 
-from __future__ import annotations
-
 from typing import Any, cast
 
 import pytest

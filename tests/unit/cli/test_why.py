@@ -1,7 +1,5 @@
 """`giraff why` asks all services how they are, and those by name that do not answer, before it says that one hangs."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 
 import pytest

@@ -1,7 +1,5 @@
 """`Robot.picture`: asked for, waited for, and let go."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

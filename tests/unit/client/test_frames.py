@@ -1,7 +1,5 @@
 """Frames for a script, in a time that only its own waits let pass."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

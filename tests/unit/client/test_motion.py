@@ -1,7 +1,5 @@
 """`Robot.move` and the others against a motion that is there by itself, in a time that only waits let pass."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """A script as an operator: what it says in which order, and what makes it give up."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_client import (

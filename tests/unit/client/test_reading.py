@@ -1,7 +1,5 @@
 """What a script reads: which sensors there are, what of them is a fault, and which way is blocked."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

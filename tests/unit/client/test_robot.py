@@ -1,7 +1,5 @@
 """`Robot` where the network fails it, and what it reads, in a time that only its own waits let pass."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Never
@@ -102,7 +100,7 @@ class Network:
         if self.answer is not None and len(self.asked) > 1:
             on_reply(Reply(self.answer))
 
-    def liveliness(self) -> Network:
+    def liveliness(self) -> "Network":
         return self
 
     def declare_token(self, _: str) -> None:

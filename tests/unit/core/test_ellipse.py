@@ -1,7 +1,5 @@
 """What is called within the ellipse of 95 %."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

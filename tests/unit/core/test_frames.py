@@ -1,7 +1,5 @@
 """Frames in frames: composed as matrices are, between two samples, and never over a jump."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

@@ -1,7 +1,5 @@
 """Who asks for a motion: what is said meanwhile, and what is concluded of what is heard, and of what is not."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """What each operator is made of: which tick and counter its commands carry, and when it counts the robot as lost."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import msgspec

@@ -1,7 +1,5 @@
 """A picture's size is read as a decoder would read it, before there is a decoder."""
 
-from __future__ import annotations
-
 import struct
 
 import pytest

@@ -1,7 +1,5 @@
 """Sensors of a robot file, by their type."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

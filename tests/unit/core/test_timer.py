@@ -1,7 +1,5 @@
 """A timer whose turn may come early: at once, rarely enough in a flood, and not once more for what is a bit late."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

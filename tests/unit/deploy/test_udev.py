@@ -1,7 +1,5 @@
 """deploy/udev: rules that udev takes, and the names that the robot file uses."""
 
-from __future__ import annotations
-
 import tomllib
 
 import pytest

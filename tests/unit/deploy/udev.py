@@ -1,7 +1,5 @@
 """The little of udev that the rules use: read strictly, and applied to a device."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase

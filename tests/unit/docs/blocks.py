@@ -1,7 +1,5 @@
 """The commands in the fenced blocks of README and docs, as a shell would take them apart."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Iterator

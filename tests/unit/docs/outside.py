@@ -1,7 +1,5 @@
 """Programs of the pages that no test starts: why, and what can be known of their words all the same."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import tomllib

@@ -4,8 +4,6 @@ A command of `giraff` that asks files is run. One that asks a robot is run where
 saying so. One whose act is a test of its own is parsed. What is no `giraff` is in the table of outside.py.
 """
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """docs/cheatsheet.md has every command of `giraff`, once, in the groups of `giraff --help`."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 

@@ -1,7 +1,5 @@
 """Each link of README and docs leads to a file, and to a heading that is in it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

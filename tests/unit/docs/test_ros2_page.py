@@ -1,7 +1,5 @@
 """docs/ros2.md has each topic of ROS with its type, its depth and its reliability, and no other."""
 
-from __future__ import annotations
-
 import re
 
 from giraff_ros2.topics import ESTOP, NODE, PUBLISHED, SUBSCRIBED, Qos, RosTopic

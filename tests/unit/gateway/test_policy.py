@@ -1,7 +1,5 @@
 """Bytes to lines and back, however they are torn."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 

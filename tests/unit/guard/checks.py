@@ -1,7 +1,5 @@
 """What must hold of each command that the guard lets through."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_guard.obstacles import Limited, Verdicts

@@ -1,7 +1,5 @@
 """A guard's authority and those who speak to it."""
 
-from __future__ import annotations
-
 import math
 
 from giraff_core.live import Live

@@ -1,7 +1,5 @@
 """The guard's policy with hands, sensors and wheels, in simulated robot time: the rig of these tests."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_core.lease import ASK

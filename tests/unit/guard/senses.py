@@ -1,7 +1,5 @@
 """Obstacles with sensors and wheels in simulated robot time: the rig of these tests."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Whatever is said, by whomever, in whatever order: what comes out keeps to the rules."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

@@ -1,7 +1,5 @@
 """A robot that is exactly as slow to react and to brake as the guard reckons never enters the margin."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Who drives: how the lease is granted, kept, taken and lost, and what a command needs to count."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Whatever comes, in whatever order: only what the holder freshly says under its lease ever passes."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """A bumper stops its way at once and holds it until the robot has moved away; it knows nothing of any other way."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

@@ -1,7 +1,5 @@
 """The table `[guard]`: what it takes, and what it refuses by name."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

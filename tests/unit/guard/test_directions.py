@@ -1,7 +1,5 @@
 """What the sensors allow in each direction: how fast, which one limits, why, and the way out."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -1,7 +1,5 @@
 """Whose flood of commands it is, and that a busy hand is none."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_core.lease import ASK

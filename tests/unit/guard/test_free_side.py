@@ -1,7 +1,5 @@
 """The side to which a balancing robot may sit down: only where sensors know now that there is room."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_schemas.bumper import Bump

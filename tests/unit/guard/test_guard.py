@@ -1,7 +1,5 @@
 """Whose command counts, how much of it passes, and what the guard says about it."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

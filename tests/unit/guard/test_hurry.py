@@ -1,7 +1,5 @@
 """What the guard decides at once, and what can wait for its next turn."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_core.lease import ASK

@@ -1,7 +1,5 @@
 """Whose samples count: one base, one ranger a sensor, and nothing that a dead one said."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Ranges of a body that leans: levelled by the attitude, and what may be the floor is no obstacle and no proof."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -1,7 +1,5 @@
 """What is let through of a twist: never more than asked or allowed, with its curvature, its reason and a way out."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

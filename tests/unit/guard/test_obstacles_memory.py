@@ -1,7 +1,5 @@
 """What echoed lately and lies where no sensor looks now: the footprint does not sweep it."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -1,7 +1,5 @@
 """One short reading stops, one long reading never opens: what it takes to believe a sensor again."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

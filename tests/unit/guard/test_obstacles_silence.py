@@ -1,7 +1,5 @@
 """A sensor that hears nothing may have gone deaf: how long its silence is believed, and what it heard before it."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -1,7 +1,5 @@
 """What makes a sensor worth believing: proof that it hears, readings that follow the robot's motion."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """Whether a sensor hears its own pings, or those of another robot."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """A robot that balances: each stop takes its run-on too, and it drives off only with room behind it."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

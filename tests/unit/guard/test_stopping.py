@@ -1,7 +1,5 @@
 """The stopping distance: closed form against small steps of time."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """What is tightened while the joystick is held counts at once."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_core.live import Live

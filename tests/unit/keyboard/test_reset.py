@@ -1,7 +1,5 @@
 """The keys r and y: the stop that is shown is released once it was asked for twice, and no stray key releases it."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_keyboard.keys import KeyReader
@@ -37,7 +35,7 @@ class Base:
         self.keys = ResetRequest(self.ask)
         self.wait(0.1)
 
-    def ask(self, latch: EStop, moment: RobotTime) -> Base:
+    def ask(self, latch: EStop, moment: RobotTime) -> "Base":
         self.asked.append((latch, moment))
         return self
 

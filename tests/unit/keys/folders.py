@@ -1,7 +1,5 @@
 """Folders of keys for the tests."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the certificates say."""
 
-from __future__ import annotations
-
 from datetime import timedelta
 from ipaddress import ip_address
 

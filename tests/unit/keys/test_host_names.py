@@ -1,7 +1,5 @@
 """What may stand in a certificate, and what is refused with the way out."""
 
-from __future__ import annotations
-
 import string
 from ipaddress import ip_address
 

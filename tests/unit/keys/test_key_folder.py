@@ -1,7 +1,5 @@
 """Keys on disk: what fails leaves all as it was. Killed halfway: tests/functional/keys/test_interruptions.py."""
 
-from __future__ import annotations
-
 import errno
 import os
 from pathlib import Path

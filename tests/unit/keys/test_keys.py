@@ -1,7 +1,5 @@
 """`giraff keys`: what is told, what is refused, and with which exit code."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -1,7 +1,5 @@
 """Small plans, computed once, and what a robot says in them."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import pairwise
 from typing import Final

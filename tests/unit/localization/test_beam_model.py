@@ -1,7 +1,5 @@
 """How likely each reading is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

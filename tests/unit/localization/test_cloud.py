@@ -1,7 +1,5 @@
 """Particles: how they move, what they make of what is heard, and how many there are."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -1,7 +1,5 @@
 """How much a place explains."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_core.kinematics.pose import Pose

@@ -1,7 +1,5 @@
 """Whether it is known where the robot is."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

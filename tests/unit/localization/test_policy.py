@@ -1,7 +1,5 @@
 """What localization answers and tells, whatever it is given."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

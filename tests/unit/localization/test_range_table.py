@@ -1,7 +1,5 @@
 """What a sensor is expected to hear, at every place and in every direction."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import islice, product

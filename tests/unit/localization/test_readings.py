@@ -1,7 +1,5 @@
 """What was heard since the last update, each where it was heard."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

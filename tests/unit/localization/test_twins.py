@@ -1,7 +1,5 @@
 """Places that explain what is heard as well as the best one does."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The robot's way, whatever becomes of `odom`."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

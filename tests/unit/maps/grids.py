@@ -1,7 +1,5 @@
 """Grids and rooms that are written for a test, and distances between their walls."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`giraff map`: a plan in the terminal and as SVG, and a room as a grid."""
 
-from __future__ import annotations
-
 import io
 import math
 import os

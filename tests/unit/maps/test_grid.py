@@ -1,7 +1,5 @@
 """Occupancy grids: which pixels are walls, and where in the map they are."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Maps that cannot be used: one plain line that names the file, the cause and the way out."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

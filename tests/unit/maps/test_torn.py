@@ -1,7 +1,5 @@
 """Files that were hurt on their way: they are read or refused in a line, and nothing else happens."""
 
-from __future__ import annotations
-
 import random
 from contextlib import suppress
 from pathlib import Path

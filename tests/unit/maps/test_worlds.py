@@ -1,7 +1,5 @@
 """The floor plans of this repository are what they are said to be."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import random

@@ -1,7 +1,5 @@
 """A room becomes a grid, and the grid the room's walls again."""
 
-from __future__ import annotations
-
 import statistics
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Samples as a recorder hears them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import msgspec

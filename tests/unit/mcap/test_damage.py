@@ -1,7 +1,5 @@
 """A damaged recording gives all that can be read, and says how much is missing, and where."""
 
-from __future__ import annotations
-
 import tracemalloc
 from collections.abc import Callable, Sequence
 from contextlib import suppress

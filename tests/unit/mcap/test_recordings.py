@@ -1,7 +1,5 @@
 """A recording is what was heard, byte for byte, for this project's reader and for the library's own."""
 
-from __future__ import annotations
-
 import errno
 import os
 from itertools import pairwise

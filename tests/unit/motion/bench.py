@@ -1,7 +1,5 @@
 """The policy of giraff_motion around a robot on an open floor, with all that it hears of the others."""
 
-from __future__ import annotations
-
 from typing import Any, Final, TypeVar
 
 import msgspec

@@ -1,7 +1,5 @@
 """What a motion claims of its error, and what a drawn robot has truly made of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """A robot on an open floor that is asked for motions."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.unit.motion.bench import Bench

@@ -1,7 +1,5 @@
 """Where a motion ends, by the truth of a robot that is as its file says."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

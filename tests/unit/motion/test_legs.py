@@ -1,7 +1,5 @@
 """A plan of motion ends where a walk along it ends, which this module calculates by chords."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

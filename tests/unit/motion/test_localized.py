@@ -1,7 +1,5 @@
 """A go to a point of the map: when it begins, where it ends, and what ends it before."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final

@@ -1,7 +1,5 @@
 """Whom motion obeys, when it moves, and why it ends."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Which requests begin a motion, and why others do not."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Any

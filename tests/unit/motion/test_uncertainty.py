@@ -1,7 +1,5 @@
 """What a motion says of its own error holds it."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

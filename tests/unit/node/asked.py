@@ -1,7 +1,5 @@
 """A request of parameters without a network: its answer is kept."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from giraff_schemas.codec import encode

@@ -1,7 +1,5 @@
 """A board's line in simulated time, and a loop that is woken by it: no descriptor, no clock."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import ceil, inf
 

@@ -1,7 +1,5 @@
 """A serial port whose other end is the test's."""
 
-from __future__ import annotations
-
 import os
 import tty
 from pathlib import Path

@@ -3,8 +3,6 @@
 That Zenoh keeps to them, with real certificates: tests/functional/node/test_access.py.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Payloads that cannot be read are named once a key, for a few keys, whatever comes."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 from giraff_node.network.subscription import MOST, DecodeErrors

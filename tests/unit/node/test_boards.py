@@ -1,7 +1,5 @@
 """What services with a board share: ticks on their way down and up, and counters that wrap."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """C libraries are silent for a moment, and nobody else is."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import sys

@@ -1,7 +1,5 @@
 """The clock that ticks are made of."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_node import robot_now_ns

@@ -1,7 +1,5 @@
 """How a service is: its own faults, and what it notices."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_node.process.health import HealthState

@@ -1,7 +1,5 @@
 """The robot file and the environment: strict, and every refusal says where and what instead."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

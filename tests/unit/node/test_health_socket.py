@@ -1,7 +1,5 @@
 """The socket that healthchecks ask: nothing that a client, a namesake or a disk does holds or ends the loop."""
 
-from __future__ import annotations
-
 import os
 import select
 import socket

@@ -1,7 +1,5 @@
 """Where this host is found, and when it is to be found elsewhere."""
 
-from __future__ import annotations
-
 import ipaddress
 
 import pytest

@@ -1,7 +1,5 @@
 """What a host without the library for certificates can tell of its keys."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The operator's side of the lease: when it asks, what its commands carry, and what it tells its human."""
 
-from __future__ import annotations
-
 import pytest
 
 from giraff_core.lease import ASK, LeaseClient

@@ -1,7 +1,5 @@
 """Serial links over real ptys: opened by path, never waited for, and only the right board is believed."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

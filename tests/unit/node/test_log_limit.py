@@ -1,7 +1,5 @@
 """The log of a service grows slowly, whoever causes its lines."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """How large a message each kind of session takes: whatever is larger would be put together in its memory."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, Final, Literal

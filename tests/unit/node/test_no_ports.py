@@ -1,7 +1,5 @@
 """Paths that are no serial ports, each named with what to do."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

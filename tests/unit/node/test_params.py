@@ -1,7 +1,5 @@
 """The parameters of one service: what may be set, what is kept, and what a service says that was asked for them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 from unittest.mock import MagicMock

@@ -1,7 +1,5 @@
 """The frames of a robot's parts, as its file has them."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Samples that make no turn due: they wait undecoded, and a turn reads them."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple, cast
 
 import pytest

@@ -1,7 +1,5 @@
 """Turns that a sample's own thread makes. Another thread is played: it finds the lock as the moment has it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 

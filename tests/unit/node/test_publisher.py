@@ -1,7 +1,5 @@
 """What a sample costs: it is encoded once, and its numbers are checked where it is made and where it arrives."""
 
-from __future__ import annotations
-
 from collections import Counter
 from functools import partial
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """What the numbers of a robot file can be: each has a range, and a slip is named with its likely cause."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from pathlib import Path

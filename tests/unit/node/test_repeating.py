@@ -1,7 +1,5 @@
 """A request is repeated until it is answered, at moments that its owner gives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from giraff_core.retry import RetriedRequest

@@ -1,7 +1,5 @@
 """The rest of a frame is slept out, and nothing else is: no frame is lost by it, and none comes late."""
 
-from __future__ import annotations
-
 from math import inf
 
 import pytest

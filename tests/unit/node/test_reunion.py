@@ -1,7 +1,5 @@
 """When a visit is due, by whose links are gone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Which robot a command is for: with a robot file, with none, with a broken one, and on a network of several."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 from typing import cast
@@ -142,7 +140,7 @@ def test_a_name_that_can_be_none_is_refused() -> None:
     ],
 )
 def test_a_name_that_no_robot_can_have_is_left_out_and_told_once(
-    network: Network, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], key: str
+    network: "Network", monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], key: str
 ) -> None:
     """Anybody on an open network may declare it: the robots beside it are found all the same."""
     monkeypatch.setattr(tokens, "_told", set())

@@ -1,7 +1,5 @@
 """What a host believes of a router, and how it finds one. With real links: tests/functional/router/test_router.py."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A service without its router says so, with what may be the matter."""
 
-from __future__ import annotations
-
 from giraff_node.network.base_reach import RouterLink
 
 

@@ -1,7 +1,5 @@
 """What a service takes samples out of, and what it writes to its log."""
 
-from __future__ import annotations
-
 import json
 import logging
 

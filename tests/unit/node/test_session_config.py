@@ -1,7 +1,5 @@
 """What a session is told of the network that it is to be on."""
 
-from __future__ import annotations
-
 import json
 import socket
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Sockets at which processes of one host meet, and those that dead ones have left."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import socket

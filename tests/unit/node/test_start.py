@@ -1,7 +1,5 @@
 """A service that does not exist is not started, and the right name is suggested."""
 
-from __future__ import annotations
-
 from unittest.mock import MagicMock
 
 import pytest

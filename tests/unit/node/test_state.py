@@ -3,8 +3,6 @@
 The thread that writes it: tests/functional/node/test_saving.py.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 from pathlib import Path

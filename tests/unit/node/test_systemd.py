@@ -1,7 +1,5 @@
 """What systemd is told: ready once, its watchdog only by a loop that turns, and nothing that stops the service."""
 
-from __future__ import annotations
-
 import os
 import secrets
 from collections.abc import Iterator

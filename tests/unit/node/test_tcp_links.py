@@ -1,7 +1,5 @@
 """What the kernel is told to do for a connection."""
 
-from __future__ import annotations
-
 import os
 import platform
 import resource

@@ -1,7 +1,5 @@
 """Pacing and freshness."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """What makes a turn of a node due, and what does not."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import resource

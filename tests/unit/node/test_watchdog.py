@@ -1,7 +1,5 @@
 """The watchdog: each turn puts off the end of the process, and no turn before the first one is waited for."""
 
-from __future__ import annotations
-
 import faulthandler
 import os
 import signal

@@ -1,7 +1,5 @@
 """A service that hears nothing of its robot names the robots that are there, once."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import cast

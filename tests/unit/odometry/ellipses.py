@@ -1,7 +1,5 @@
 """The ellipses that odometry claims for drawn robots that nobody has calibrated, and where these truly are."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from typing import NamedTuple

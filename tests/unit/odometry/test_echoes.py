@@ -1,7 +1,5 @@
 """Where echoes came from, as odometry keeps it for a view that is opened late."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from types import SimpleNamespace
 from typing import Any

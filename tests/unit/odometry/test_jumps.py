@@ -1,7 +1,5 @@
 """A pose that is set from outside: where it then is, how sure that is, and how it goes on."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

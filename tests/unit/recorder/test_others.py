@@ -1,7 +1,5 @@
 """The flight recorder asks all services how they are, and hears each of them each time."""
 
-from __future__ import annotations
-
 from functools import partial
 from types import SimpleNamespace
 from typing import Any, cast

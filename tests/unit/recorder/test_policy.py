@@ -1,7 +1,5 @@
 """The flight recorder: what it remembers, what is an incident, which files go."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """The recorded drive of a simulated robot; `tests/functional/desk/make_drive.py` makes it anew."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

@@ -1,7 +1,5 @@
 """The guard numbers the commands that it has heard by each turn, and a replay goes by that."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_cli.replay.policies import RecordedSamples, _Inputs

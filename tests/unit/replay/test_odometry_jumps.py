@@ -1,7 +1,5 @@
 """A recording in which the pose of odometry was set: nobody recorded by whom and to what."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import msgspec

@@ -1,7 +1,5 @@
 """A recording keeps what the services go by, as they tell it, and a replay goes by that."""
 
-from __future__ import annotations
-
 from functools import partial
 from itertools import takewhile
 from pathlib import Path

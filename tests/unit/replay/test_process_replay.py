@@ -1,7 +1,5 @@
 """A recorded drive through the policies of odometry and guard, and through such as are broken."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path

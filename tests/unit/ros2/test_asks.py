@@ -1,7 +1,5 @@
 """The emergency stop and goals that ROS asks for, by calling."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Callable
@@ -61,7 +59,7 @@ class Robot:
         self.asked.append(Asked(request, settles))
         return self.asked[-1]
 
-    def publisher(self, _: object) -> Robot:
+    def publisher(self, _: object) -> "Robot":
         return self
 
     def token(self) -> int:
@@ -81,7 +79,7 @@ def estop(*, engaged: bool, latch: int = 3) -> EStop:
 
 
 @pytest.fixture
-def rviz() -> Rviz:
+def rviz() -> "Rviz":
     return Rviz()
 
 

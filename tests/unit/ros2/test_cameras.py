@@ -1,7 +1,5 @@
 """The cameras that ROS looks at, by calling."""
 
-from __future__ import annotations
-
 from giraff_ros2.cameras import Cameras
 from giraff_ros2.topics import RosTopic
 from giraff_schemas.camera import Picture

@@ -1,7 +1,5 @@
 """The table `[ros2]` and the options of `giraff ros2`: what cannot be is refused, and the option comes first."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 from unittest.mock import MagicMock

@@ -1,7 +1,5 @@
 """What `/cmd_vel` asks, by calling: keys, streams, frozen processes, two at once, and what is refused."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Callable

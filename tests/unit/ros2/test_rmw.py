@@ -1,7 +1,5 @@
 """What rmw_zenoh_cpp says: texts as a real ROS 2 (Kilted, rmw_zenoh_cpp 0.6.7) wrote them, and what is none."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

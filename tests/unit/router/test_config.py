@@ -1,7 +1,5 @@
 """A router that would let anybody drive does not start, and says how it would."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any

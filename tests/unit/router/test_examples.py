@@ -1,7 +1,5 @@
 """What deploy/ has for a router's host is what the router takes."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Whom the router lets say what, and what it says of them. That Zenoh keeps to it: tests/functional/router."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import zenoh

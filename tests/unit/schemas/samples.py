@@ -1,7 +1,5 @@
 """Any message of the schemas, for property tests."""
 
-from __future__ import annotations
-
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import msgspec

@@ -1,7 +1,5 @@
 """A sample is checked once where it is made and once where it arrives, and not on its way."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections import Counter

@@ -1,7 +1,5 @@
 """Samples to bytes and back: what is said comes back, and what is not a sample is named."""
 
-from __future__ import annotations
-
 import math
 import re
 from itertools import product

@@ -1,7 +1,5 @@
 """The fields of a sample in the words of its source."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

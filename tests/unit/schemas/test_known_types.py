@@ -1,7 +1,5 @@
 """Whoever decodes a first sample finds its type known: that two threads make it known at once ends the process."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec, module_from_spec
 
 from giraff_schemas import frames, health, topics

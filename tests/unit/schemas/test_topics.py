@@ -1,7 +1,5 @@
 """Keys are whole chunks of the table's rows."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """What Zenoh logs, and what of it is an attempt."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

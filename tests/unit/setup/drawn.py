@@ -1,7 +1,5 @@
 """What a guided calibration makes of one drawn robot: how near its scales come, and how near odometry is then."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Who is led through a calibration, drives and measures; and a robot that does exactly what its file says."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

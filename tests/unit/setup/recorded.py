@@ -1,7 +1,5 @@
 """The recorded runs of a real robot, and a made-up one whose wheels are known."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A drawn robot on a floor, and its driver with a tape."""
 
-from __future__ import annotations
-
 import math
 import random
 from typing import Final

@@ -1,7 +1,5 @@
 """A camera's lens, height and tilt, by pictures of drawn cameras whose truth the calibration never sees."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import tomllib

@@ -1,7 +1,5 @@
 """`giraff check encoders` with a board made of Python: it says what is wrong, and the wheels stand whatever ends it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`giraff check wheels` with a board and a human made of Python: what is proved is written, a doubt writes nothing."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Callable
@@ -27,7 +25,7 @@ class Bench:
     truth = Wiring(0)
     latch = Latch.NONE
     trouble: BaseException | None = None
-    made: ClassVar[Bench]
+    made: "ClassVar[Bench]"
 
     def __init__(self, port: str, board: BoardType, ticks_per_metre: float) -> None:
         self.port, self.board, self.ticks_per_metre = port, board, ticks_per_metre

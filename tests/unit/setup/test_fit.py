@@ -1,7 +1,5 @@
 """Three scales from runs: of a real robot, and of made-up ones whose scales are known."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

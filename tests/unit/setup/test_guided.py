@@ -1,7 +1,5 @@
 """The whole way from the first mark to the robot file, in simulated time."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import socket

@@ -1,7 +1,5 @@
 """The wheels of a robot are waited for before anything is begun."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, cast
 

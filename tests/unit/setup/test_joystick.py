@@ -1,7 +1,5 @@
 """`giraff calibrate joystick` with a board and a person made of Python, judged by how the sensor truly sits."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

@@ -1,7 +1,5 @@
 """What a tape finds of robots that nobody has calibrated."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """A person is led through the runs: what goes wrong is named, the run is done again, and no other one is lost."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

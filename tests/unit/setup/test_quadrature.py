@@ -1,7 +1,5 @@
 """What is wrong with an encoder is found in its transitions, named alone, and said what to do about."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

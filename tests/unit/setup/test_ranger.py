@@ -1,7 +1,5 @@
 """Ultrasonic sensors by a wall: drawn robots and wrong worlds, judged by the truth that was drawn."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """`giraff calibrate odometry` of recorded runs: what it finds, writes and refuses."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

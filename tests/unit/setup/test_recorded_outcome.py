@@ -1,7 +1,5 @@
 """`giraff calibrate odometry` of recorded runs: what it does where nothing is new."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

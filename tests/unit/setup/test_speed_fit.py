@@ -1,7 +1,5 @@
 """Motors and gains that a drive of two wheels tells, and which of two drives is better."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

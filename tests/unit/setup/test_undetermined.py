@@ -1,7 +1,5 @@
 """What measurements leave open is refused, whichever way this processor rounds a singular matrix."""
 
-from __future__ import annotations
-
 import math
 
 import cv2

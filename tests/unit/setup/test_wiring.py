@@ -1,7 +1,5 @@
 """How a robot is wired follows from what one sees and counts, for every wiring there is."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import pytest

@@ -1,7 +1,5 @@
 """A robot before a simulated wall, moved by what its wheels truly do, and the person who measures there with a tape."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from random import Random

@@ -1,7 +1,5 @@
 """What samples become on the screen, without one."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from pathlib import Path

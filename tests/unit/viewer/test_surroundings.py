@@ -1,7 +1,5 @@
 """The room and the echoes on the screen, without one."""
 
-from __future__ import annotations
-
 import msgspec
 import pytest
 

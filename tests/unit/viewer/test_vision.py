@@ -1,7 +1,5 @@
 """Visual odometry on the screen, without one."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

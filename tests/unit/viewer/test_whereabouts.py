@@ -1,7 +1,5 @@
 """Where the robot is on the map, as the screen has it, without one."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """How a picture of the viewer is taken."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """What the policy tells of filmed drives, judged by the true motion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from functools import cache

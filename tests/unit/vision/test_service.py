@@ -1,7 +1,5 @@
 """The service looks at the camera as long as it runs, and tells what it cannot tell."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 from unittest.mock import MagicMock
 

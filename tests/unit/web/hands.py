@@ -1,7 +1,5 @@
 """A page's hand for tests: wishes with ticks of a robot's clock that goes on."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

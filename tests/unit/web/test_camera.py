@@ -1,7 +1,5 @@
 """Which pages are sent the camera's picture: those where a person has switched it on, one picture at a time."""
 
-from __future__ import annotations
-
 from unittest.mock import MagicMock
 
 import msgspec

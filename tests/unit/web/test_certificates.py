@@ -1,7 +1,5 @@
 """By which certificate browsers know this service, and when it is made anew."""
 
-from __future__ import annotations
-
 import shutil
 from datetime import UTC, datetime, timedelta
 from ipaddress import ip_address

@@ -1,7 +1,5 @@
 """Who goes where a crowd is too large."""
 
-from __future__ import annotations
-
 from giraff_web.limits import Allowance
 from giraff_web.server.crowd import Crowd
 

@@ -1,7 +1,5 @@
 """What people call a browser's device."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """What one page may take, and what waits of it for the service's turn."""
 
-from __future__ import annotations
-
 from giraff_web.event_box import EventBox
 from giraff_web.limits import Rate, SendWindow
 from giraff_web.messages import LetGo, PageWish, Reset

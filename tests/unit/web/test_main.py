@@ -1,7 +1,5 @@
 """How the process begins, where it cannot."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from unittest.mock import MagicMock
 

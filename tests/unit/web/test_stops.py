@@ -1,7 +1,5 @@
 """STOP on a page: never refused nor put off, and its release is base's to judge."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """The table `[base.drive]` of a robot that balances on two wheels: its body, motors, gains and wiring."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, ClassVar, Final
 

@@ -1,7 +1,5 @@
 """The dialogue with `firmware/balancer`: its settings, what it is asked for, and what makes it stand up."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import msgspec

@@ -1,7 +1,5 @@
 """How a robot that balances moves near upright: its linear body under its gains, as the board applies them."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterator
 from typing import Final, NamedTuple

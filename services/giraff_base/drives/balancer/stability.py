@@ -4,8 +4,6 @@ The state is lean, its rate, place and speed; what acts is the torque of both mo
 part of the model: the board compensates them. Plain Python: base has no numpy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple

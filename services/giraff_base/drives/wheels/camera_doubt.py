@@ -4,8 +4,6 @@ A robot that holds speeds then drives faster than its wheels say. Only a camera 
 doubt. One that sees less is no hazard: a wheel may spin, a lens may be dirty.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final, NamedTuple

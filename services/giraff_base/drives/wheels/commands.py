@@ -1,7 +1,5 @@
 """Frames for the base board. Each answers a report and echoes its boot and time: the proof that it is fresh."""
 
-from __future__ import annotations
-
 import msgspec
 
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, EstopFrame, SpeedFrame, WheelsFrame

@@ -1,7 +1,5 @@
 """The table `[base.drive]` of two wheels: their motors, as the board on `firmware/base` drives them."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, ClassVar, Final, Literal
 

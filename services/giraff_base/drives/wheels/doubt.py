@@ -8,8 +8,6 @@ The evidence is a way: how many metres a wheel lacks, of those that its power ma
 CUSUM does (Page, Continuous Inspection Schemes, 1954), so that a fast robot, which turns soonest, is doubted soonest.
 """
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 from giraff_base.drives.wheels.config import WheelsConfig
@@ -77,7 +75,7 @@ class WheelDoubt:
         if not self.trouble and (self._left.is_sure or self._right.is_sure):
             self.trouble = _doubted("left" if self._left.is_sure else "right")
 
-    def _work(self, um_s: int, before_um_s: int, power: int, seconds: float) -> _Work:
+    def _work(self, um_s: int, before_um_s: int, power: int, seconds: float) -> "_Work":
         """Return the work of a wheel between two reports. Power also speeds a wheel up."""
         return _Work(1e-6 * (um_s * seconds + (um_s - before_um_s) * self._motor_time), power)
 

@@ -1,7 +1,5 @@
 """The dialogue with `firmware/base`: its settings, and frames of levels or speeds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Reports of the base board as samples."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_base.drives.wheels.config import UM_PER_M

@@ -1,7 +1,5 @@
 """What the base board says of itself, in words."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_base.drives.dialogue import KEPT_STOP

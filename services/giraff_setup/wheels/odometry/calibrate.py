@@ -1,7 +1,5 @@
 """`giraff calibrate odometry`, guided: a person drives and measures, and the robot file is told what was found."""
 
-from __future__ import annotations
-
 import math
 import sys
 import time

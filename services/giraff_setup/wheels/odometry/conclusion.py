@@ -1,7 +1,5 @@
 """From measured runs to the robot file: fitted, judged, told and written, or refused and nothing written."""
 
-from __future__ import annotations
-
 import datetime as dt
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -8,8 +8,6 @@ everything that was measured on the way, with Gauss-Newton on the exact arcs, so
 three differ. Whether they do is not asked of the course, but of the covariance of the fit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 

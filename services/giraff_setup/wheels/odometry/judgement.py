@@ -1,7 +1,5 @@
 """What a calibration is worth on runs that the fit has not seen, in words, and as the table `[robot.calibration]`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple

@@ -1,7 +1,5 @@
 """Hears the wheels of one robot, and makes of them what a run has driven."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -7,8 +7,6 @@ wheels to 0.055 %. Left and right turns keep apart what one direction alone mixe
 and Correction of Systematic Odometry Errors in Mobile Robots, IEEE Transactions on Robotics and Automation 12 (1996).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

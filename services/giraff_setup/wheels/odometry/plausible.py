@@ -1,7 +1,5 @@
 """Whether what was driven and measured can be what was asked for."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Final, NamedTuple

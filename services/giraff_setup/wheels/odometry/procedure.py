@@ -1,7 +1,5 @@
 """Leads one person through the runs of the plan: what to mark, what to drive, what to measure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Final, NamedTuple, Protocol

@@ -3,8 +3,6 @@
 The exact arcs of odometry tell where its counts lead, whole runs at a time.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple

@@ -4,8 +4,6 @@ H. Patterson, R. Thompson, Recovery of inter-block information when block sizes 
 likelihood of the residuals once what the fit has taken from them is allowed for.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple

@@ -8,8 +8,6 @@ a little off: as its mark is measured; because counts come whole; because gears 
 where its counts are. This does not add up: what one window has too much, the next one has too little.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple

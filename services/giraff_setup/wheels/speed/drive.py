@@ -1,7 +1,5 @@
 """Has giraff_motion drive a robot ahead and back, and hears its wheels meanwhile."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """Motor constants of two wheels from a drive ahead and back, and the gains that follow from them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Final, NamedTuple
@@ -36,7 +34,7 @@ _WEAK: Final = 0.25  # of the plateau's PWM: a motor that gets less while it bra
 _FELT: Final = 0.01  # share of the asked speed: less is no better drive
 _FEWEST: Final = 50  # samples of a leg
 _DEFAULTS: Final = SpeedControl()
-RULE: Final[dict[str, Callable[[Motor], float]]] = {
+RULE: Final[dict[str, Callable[["Motor"], float]]] = {
     "motor_time": lambda motor: motor.time,
     "speed_p": lambda motor: motor.time / (motor.per_count * CLOSES_AT),
     "speed_i": lambda motor: 1.0 / (motor.per_count * CLOSES_AT),
@@ -87,7 +85,7 @@ class Follow(NamedTuple):
         """Return True if no drive can be shown to be better."""
         return max(self) <= _FELT
 
-    def beats(self, other: Follow) -> bool:
+    def beats(self, other: "Follow") -> bool:
         """Return True if this drive is better.
 
         Overshoot or error is smaller by more than `_FELT`. Error is not larger, and overshoot not by more than that.

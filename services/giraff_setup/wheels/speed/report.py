@@ -1,7 +1,5 @@
 """A drive and what it tells of the motors, as a person reads it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 

@@ -1,7 +1,5 @@
 """`giraff tune speed`: a short drive tells the motors of two wheels, and the robot file is told their gains."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence

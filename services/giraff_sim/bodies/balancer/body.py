@@ -1,7 +1,5 @@
 """The body that balances on two wheels, between the pins of `firmware/balancer` and the floor."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Any, Final

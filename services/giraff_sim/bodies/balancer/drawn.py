@@ -3,8 +3,6 @@
 The spreads are estimates: no robot was measured.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Judges a robot that balances: by its true way, and by nothing that its board says."""
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 from giraff_core.robot import RobotConfig

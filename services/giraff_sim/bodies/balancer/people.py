@@ -1,7 +1,5 @@
 """What acts on a robot that balances: people, slopes, thresholds, walls."""
 
-from __future__ import annotations
-
 import math
 from typing import Final, NamedTuple
 

@@ -5,8 +5,6 @@ elastic tyre that can slip joins wheel and floor. Encoder and friction are on th
 driver sets volts, not torque. Forward, leaning forward and turning left are positive.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -4,8 +4,6 @@ Both axes of the gyroscope lie in the horizontal plane, at 45 degrees to the axl
 opposite signs. A robot that leans while it turns also rolls.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The body on two wheels, between the pins of `firmware/base` and the floor."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_base.drives.wheels.config import WheelsConfig

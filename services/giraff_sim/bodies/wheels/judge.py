@@ -1,7 +1,5 @@
 """What a judge must know of two wheels: their frames, their motors' pins, and which way these drive the robot."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from giraff_base.config import BaseConfig

@@ -1,7 +1,5 @@
 """What the motors' pins give, beside what base asked of its board and what the robot may do at all."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final, NamedTuple, Self

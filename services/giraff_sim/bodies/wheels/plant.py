@@ -4,8 +4,6 @@ The motion is integrated in steps of a millisecond from the true wheels' speeds,
 by the robot file's geometry, so that an error there shows.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Faults of machines and processes, and too many of them."""
 
-from __future__ import annotations
-
 from random import Random
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Faults of the network between the operator's machine and the robot's."""
 
-from __future__ import annotations
-
 from random import Random
 from typing import Final
 

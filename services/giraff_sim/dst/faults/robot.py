@@ -1,7 +1,5 @@
 """Faults of cables, boards and sensors, of the battery, and what people and furniture do."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from random import Random

@@ -1,7 +1,5 @@
 """Whether a robot that may move, and is asked to where it is free, moves: the guard is no trap."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING, Final
 
@@ -60,7 +58,7 @@ class ClearanceCheck:
         self._refused_us = None
         self._looked_us = now_us
 
-    def refused(self, passed: Passed | None, state: BaseState | None, now_us: int) -> str:
+    def refused(self, passed: "Passed | None", state: "BaseState | None", now_us: int) -> str:
         """What is refused, once it is for too long. `passed`: the newest that base was handed."""
         if now_us - self._looked_us < _LOOK_US:
             return ""
@@ -75,7 +73,7 @@ class ClearanceCheck:
         self._refused_us = None
         return f"armed, and asked to where it is free, but still for {self._patience_us / 1e6:g} s: {state.reason}"
 
-    def _is_due(self, passed: Passed, state: BaseState, now_us: int) -> bool:
+    def _is_due(self, passed: "Passed", state: "BaseState", now_us: int) -> bool:
         given = passed.given
         if not state.armed or given is None or not self.is_calm(now_us) or now_us - given.born_us > _FRESH_US:
             return False
@@ -89,7 +87,7 @@ class ClearanceCheck:
             self._is_proven(passed, way, now_us) and not self._lost_near_sensor.is_possible(way) and self._is_free(way)
         )
 
-    def _is_proven(self, passed: Passed, way: float, now_us: int) -> bool:
+    def _is_proven(self, passed: "Passed", way: float, now_us: int) -> bool:
         for name, pose in self._robot.sensors.items():
             if looks_along(pose, way):
                 heard = passed.ranges.get(name)

@@ -1,7 +1,5 @@
 """Whether something true explains a drive frame: a fresh command of the one who may, on fresh ranges."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from giraff_base.config import BaseConfig

@@ -12,8 +12,6 @@
 (h) what a sensor that is deaf now has heard twice within the last 10 s is touched at 0.16 m/s at most.
 """
 
-from __future__ import annotations
-
 from typing import Any, Final, NamedTuple
 
 from giraff_schemas.messages import BaseState, GuardedCommand, Lease

@@ -1,7 +1,5 @@
 """What the disk says of the emergency stop, beside what base was asked and has confirmed."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import msgspec

@@ -3,8 +3,6 @@
 Kept beside the samples, by maker and number: no policy sees any of it. All times are simulated us.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict, deque
 from collections.abc import Iterator
 from typing import Any, Final, NamedTuple

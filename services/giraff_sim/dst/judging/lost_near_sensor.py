@@ -1,7 +1,5 @@
 """Where something may touch a sensor: it was heard right before it and is lost, and no sensor tells whether it went."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from typing import Final, NamedTuple

@@ -5,8 +5,6 @@ Nothing here is what a sensor, the ranger or the guard says: each ping is asked 
 was. Only that a reading was handed to a guard, and when, is taken from the ledger.
 """
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict, deque
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The ultrasonic sensors as the judge sees them: which way they look, and which have just sent a ping."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from giraff_core.robot import RobotConfig, SensorPose

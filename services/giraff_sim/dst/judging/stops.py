@@ -1,7 +1,5 @@
 """Faults that must stop the robot, each within its bound."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final, NamedTuple
 

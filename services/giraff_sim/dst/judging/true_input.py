@@ -5,8 +5,6 @@ A hand that holds the joystick is judged by the acceleration that truly acts on 
 keys they press.
 """
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict, deque
 from itertools import takewhile

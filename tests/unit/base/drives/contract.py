@@ -4,8 +4,6 @@ Each kind is tested by a subclass of `AnyDrive`, with its configuration and a mo
 tests. It must not weaken one: what is unsafe for one kind is unsafe for all.
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, Protocol
 
 import msgspec

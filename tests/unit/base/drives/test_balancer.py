@@ -1,7 +1,5 @@
 """The contract of a robot that balances, and what is its own: when it may get up, and what makes it go off."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import msgspec

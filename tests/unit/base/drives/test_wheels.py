@@ -1,7 +1,5 @@
 """The contract of two wheels: by levels, by speeds that the board holds, and those of Ardros."""
 
-from __future__ import annotations
-
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Latch
 from tests.support.ardros import ARDROS, SIM
 from tests.support.ardros import DRIVE as ARDROS_DRIVE

@@ -1,7 +1,5 @@
 """Wheels against a camera: encoders that lose counts alike are found within 1.5 s, and no sound ones are."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from typing import Any

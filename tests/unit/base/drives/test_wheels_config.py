@@ -1,7 +1,5 @@
 """What the base board is told of a robot, and which robots cannot be told of."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 
 import msgspec

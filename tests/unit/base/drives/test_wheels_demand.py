@@ -1,7 +1,5 @@
 """From a twist to what the wheels are asked for."""
 
-from __future__ import annotations
-
 import math
 
 import msgspec

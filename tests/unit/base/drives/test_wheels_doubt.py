@@ -1,7 +1,5 @@
 """One wheel against the other: an encoder that slips is found within half a second, and no sound robot is doubted."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import random

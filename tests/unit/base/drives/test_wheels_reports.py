@@ -1,7 +1,5 @@
 """Reports of the base board as samples, and whether its wheels stand still."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """ROS messages of samples: values worked out by hand, and random ones read back by a decoder of somebody else."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """`giraff calibrate odometry --fit … --check …`: from runs that were recorded with their true poses."""
 
-from __future__ import annotations
-
 import glob
 import os
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A recorded run that is not this robot's as it is written down: told by what would make it so."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final

@@ -4,8 +4,6 @@ The form is that of the OptiOdom repository (https://github.com/sousarbarb/optio
 y m, heading rad, counts of the right and of the left wheel since the row before. The first row is the start.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterator
