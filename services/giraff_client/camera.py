@@ -10,7 +10,7 @@ import zenoh
 from giraff_client.errors import RobotError
 from giraff_core.freshness import age_here
 from giraff_core.network import NetworkConfig
-from giraff_core.picture.asker import PictureChoice
+from giraff_core.picture.receiver import PictureReceiver
 from giraff_node.picture_client import PictureClient
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import RobotTime, Tick
@@ -36,99 +36,60 @@ class CameraPicture(NamedTuple):
     """The robot's time before the exposure: `lookup` takes it as its `at`."""
 
 
-class _Network(NamedTuple):
-    session: zenoh.Session
-    config: NetworkConfig
-    robot: str
-    by: str
-
-
-class _Looking:
-    """One wish to see what a camera sees."""
-
-    def __init__(self, network: _Network, camera: str) -> None:
-        self._client = PictureClient(network.config, network.robot, camera, network.by)
-        self._choice = PictureChoice()
-        self._asked = time.monotonic()
-
-    @property
-    def goes_on(self) -> bool:
-        """Whether the camera still sends pictures because of it."""
-        return time.monotonic() - self._asked <= _GOES_ON
-
-    @property
-    def trouble(self) -> str:
-        """Why there is no picture."""
-        return str(self._client.trouble)
-
-    def wait(self, until: float) -> Picture | None:
-        """Return the next picture; None: none came until then, s of the monotonic clock."""
-        while True:
-            self._asked = time.monotonic()
-            self._client.want()
-            taken, state = self._client.pop_picture(), self._client.state
-            full_width = 0 if state is None else state.width
-            if (picture := self._choice.choose(taken, full_width, self._asked)) is not None:
-                return picture
-            if self._asked >= until:
-                return self._choice.give_up()
-            time.sleep(_LOOK)
-
-    def close(self) -> None:
-        self._client.close()
-
-
 class CameraFinder:
     """Asks the robot's cameras for their pictures."""
 
     def __init__(self, tick: Callable[[], tuple[Any, float] | None], silence: Callable[[str], RobotError]) -> None:
         """`tick`: the newest, and when it was heard. `silence`: the error that says why something is not heard."""
-        self._tick = tick
-        self._silence = silence
-        self._network: _Network | None = None
+        self._tick, self._silence = tick, silence
+        self._pictures = PictureReceiver(None)
+        self._session: zenoh.Session | None = None
+        self._key = ""
+        self._states: Any = None
         self._there: set[str] = set()
-        self._declared: Any = None
-        self._looking: dict[str, _Looking] = {}
+        self._looked: dict[str, float] = {}
 
     def begin(self, session: zenoh.Session, config: NetworkConfig, robot: str, by: str) -> None:
         """Be on the network. Nothing is asked for yet."""
-        self._network = _Network(session, config, robot, by)
+        self._session, self._key = session, key_of(robot, CAMERA_STATE)
+        self._pictures = PictureReceiver(lambda *asked: PictureClient(config, robot, *asked), by)
 
     def picture(self, camera: str, timeout: float) -> CameraPicture:
         """As `CameraReader` has it."""
-        if self._network is None:
+        if self._session is None:
             raise self._silence("no camera is heard")
         until = time.monotonic() + timeout
-        name = camera or self._only(self._network, until)
-        looking = self._looking.pop(name, None)
-        if looking is not None and not looking.goes_on:
-            looking.close()
-            looking = None
-        looking = looking or _Looking(self._network, name)
-        picture: Picture | None = None
+        name = camera or self._only(self._session, until)
+        if time.monotonic() - self._looked.get(name, math.inf) > _GOES_ON:
+            self._pictures.leave(name)
+        picture, why = None, ""
         try:
-            picture = looking.wait(until)
+            while (picture := self._ask(name, until)) is None and self._looked[name] < until:
+                time.sleep(_LOOK)
         finally:
             if picture is None:
-                looking.close()
+                why = str(self._pictures.trouble(name))
+                self._pictures.leave(name)
         if picture is None:
-            raise self._silence(looking.trouble or f"no picture of the camera {name} came in {timeout:g} s")
-        self._looking[name] = looking
+            raise self._silence(why or f"no picture of the camera {name} came in {timeout:g} s")
         return CameraPicture(name, picture.jpeg, picture.width, picture.height, self._age(picture), picture.tick)
+
+    def _ask(self, name: str, until: float) -> Picture | None:
+        now = self._looked[name] = time.monotonic()
+        return self._pictures.ask_best(name, now, is_last=now >= until)
 
     def close(self) -> None:
         """Look no longer."""
-        while self._looking:
-            self._looking.popitem()[1].close()
+        self._pictures.close()
 
-    def _only(self, network: _Network, until: float) -> str:
+    def _only(self, session: zenoh.Session, until: float) -> str:
         """Return the only camera that is heard. Raises SilentError, ValueError where there are several."""
 
         def on_state(received: zenoh.Sample) -> None:
             self._there.add(CAMERA_STATE.name_in(str(received.key_expr)))
 
-        if self._declared is None:
-            self._declared = network.session.declare_subscriber(key_of(network.robot, CAMERA_STATE), on_state)
+        if self._states is None:
+            self._states = session.declare_subscriber(self._key, on_state)
             time.sleep(_MEET)
         while not self._there and time.monotonic() < until:
             time.sleep(_LOOK)

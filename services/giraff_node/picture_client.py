@@ -22,7 +22,6 @@ from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, Topic, key_of
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-TOPIC_OF: Final[dict[PictureSize, Topic[Picture]]] = {"full": CAMERA, "small": CAMERA_SMALL}
 _AGAIN: Final = 2.0  # s until a network that could not be reached is tried again
 _LOOK: Final = 0.05  # s between two looks whether another size is to be listened to
 
@@ -33,12 +32,14 @@ def _now() -> float:
 
 
 class PictureClient:
-    """One person's wish to see what a camera sees. Nobody looks any longer a second after the last `want`."""
+    """A `PictureSource`: one person's wish. Nobody looks any longer a second after the last `ask`."""
 
     def __init__(self, network: NetworkConfig, robot: str, camera: str, by: str) -> None:
         """`by`: who looks, for people. Raises ValueError for a camera's name that cannot be one."""
         self._network, self._robot, self._camera = network, robot, camera
-        self._topics = {size: topic.at(camera) for size, topic in TOPIC_OF.items()}
+        self._topics: dict[PictureSize, Topic[Picture]] = {"full": CAMERA.at(camera), "small": CAMERA_SMALL.at(camera)}
+        self.by = by
+        """Who looks. It may become somebody else, from the next `ask`."""
         self._instance = secrets.token_hex(8)
         self._asker = PictureAsker(camera, by)
         self._lock = threading.Lock()  # the asker is used by Zenoh's threads, and the holds are counted
@@ -49,25 +50,16 @@ class PictureClient:
         # No daemon: Zenoh aborts a process that ends while a session is being opened.
         threading.Thread(target=self._run, name=f"camera {camera}").start()
 
-    def want(self, *, largest: PictureSize = "full") -> None:
-        """Say that somebody still looks, twice a second at least. `largest`: that is wanted."""
-        with self._lock:
-            self._asker.want(largest, _now())
+    def ask(self, largest: PictureSize = "full") -> Picture | None:
+        """Say that somebody still looks, twice a second at least; return the newest picture that was not taken yet.
 
-    def pop_picture(self) -> Picture | None:
-        """The newest picture that was not taken yet; None: there is none."""
+        `largest`: that is wanted.
+        """
         with self._lock:
+            self._asker.by = self.by
+            self._asker.want(largest, _now())
             picture, self._newest = self._newest, None
             return picture
-
-    @property
-    def by(self) -> str:
-        """Who looks, for people; it may become somebody else."""
-        return self._asker.by
-
-    @by.setter
-    def by(self, by: str) -> None:
-        self._asker.by = by
 
     @property
     def state(self) -> CameraState | None:
@@ -102,21 +94,19 @@ class PictureClient:
             self._holds = Publisher(session, self._robot, CAMERA_ON.at(self._camera), self._instance)
         state = self._subscriber(session, CAMERA_STATE.at(self._camera), self._on_state)
         size = self._asker.size
-        pictures = self._pictures(session, size)
-        with self._lock:
-            self._asker.listen(size)
-        while not self._closed.wait(_LOOK):
-            if size != self._asker.size:
+        while not self._closed.is_set():
+            pictures = self._pictures(session, size)
+            with self._lock:
+                self._asker.listen(size)
+            while size == self._asker.size and not self._closed.wait(_LOOK):
+                pass
+            size = self._asker.size
+            with suppress(zenoh.ZError):
                 pictures.undeclare()
-                size = self._asker.size
-                pictures = self._pictures(session, size)
-                with self._lock:
-                    self._asker.listen(size)
         with self._lock:
             self._holds = None
-        for subscriber in (state, pictures):
-            with suppress(zenoh.ZError):
-                subscriber.undeclare()
+        with suppress(zenoh.ZError):
+            state.undeclare()
 
     def _pictures(self, session: zenoh.Session, size: PictureSize) -> Any:
         def on_picture(picture: Picture) -> None:

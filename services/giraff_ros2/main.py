@@ -4,6 +4,7 @@ import gc
 import sys
 from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from giraff_node import Node
@@ -14,7 +15,6 @@ from giraff_ros2.config import Ros2Config, endpoint
 from giraff_schemas.services import ROS2
 
 if TYPE_CHECKING:
-    from giraff_ros2.cameras import PictureSource
     from giraff_ros2.rmw.session import RosSession
 
 _REFUSED: Final = 2
@@ -42,9 +42,6 @@ def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> N
     from giraff_ros2.robot_in_ros import published  # noqa: PLC0415
     from giraff_ros2.service import Ros2  # noqa: PLC0415
 
-    def open_source(camera: str, by: str) -> "PictureSource":
-        return PictureClient(node.network, node.robot.name, camera, by)
-
     try:
         ros = RosNode(node.config, published(node.robot))
     except NoRosError as error:
@@ -52,7 +49,7 @@ def run_ros2(node: Node[Ros2Config], announce: Callable[[list[str]], None]) -> N
         sys.exit(_REFUSED)
     with closing(ros):
         announce(shell_lines(node.config, ros.way))
-        service = Ros2(node, node.config, node.robot, ros, open_source)
+        service = Ros2(node, node.config, node.robot, ros, partial(PictureClient, node.network, node.robot.name))
         gc.freeze()  # what stays, of which the ROS libraries have much, is not looked through again and again
         node.run(service, prompt=True)
 

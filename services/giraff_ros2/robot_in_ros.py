@@ -6,10 +6,10 @@ from typing import Any, Final
 from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__String as String
 
 from giraff_core.latest import LatestSamples
+from giraff_core.picture.receiver import OpenSource, PictureReceiver
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_ros2 import topics as ros
-from giraff_ros2.cameras import Cameras, OpenSource
 from giraff_ros2.messages import pose, sensors
 from giraff_ros2.messages.diagnostics import diagnostics
 from giraff_ros2.messages.occupancy import occupancy
@@ -20,6 +20,7 @@ from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Battery, Odometry, Range, Sample, Tilt
 
 _DIAGNOSTICS_HZ: Final = 1.0
+_APART: Final = 1.0  # s between two starts to look at a camera
 
 
 def published(robot: RobotConfig) -> tuple[RosTopic, ...]:
@@ -40,7 +41,7 @@ class RobotInRos:
         self._robot, self._ros = robot, port
         self._newest = LatestSamples()
         self._timer = Timer(_DIAGNOSTICS_HZ)
-        self._cameras = Cameras(robot, port, open_source, by)
+        self._pictures = PictureReceiver(open_source, by, _APART)
         self._walls: object = None
         port.publish(ros.ROBOT_DESCRIPTION, String(urdf(robot)))
         port.publish(ros.TF_STATIC, pose.static_transforms(robot, port.wall_ns()))
@@ -51,15 +52,19 @@ class RobotInRos:
         self._say(sample)
 
     def turn(self, now: float) -> None:
-        """Say what is due by time: diagnostics, and pictures of cameras."""
+        """Say what is due by time: diagnostics, and pictures of the cameras that a ROS program subscribes to."""
         if self._timer.due(now):
             told = diagnostics(self._ros.wall_ns(), self._robot.name, self._newest, round(now * 1e9))
             self._ros.publish(ros.DIAGNOSTICS, told)
-        self._cameras.turn(now)
+        for name in self._robot.cameras:
+            if not self._ros.is_wanted(topic := ros.CAMERA.at(name)):
+                self._pictures.leave(name)
+            elif (seen := self._pictures.ask(name, now)) is not None:
+                self._ros.publish(topic, sensors.picture(seen))
 
     def close(self) -> None:
         """Look at no camera any more."""
-        self._cameras.close()
+        self._pictures.close()
 
     def _say(self, sample: Sample) -> None:
         match sample:

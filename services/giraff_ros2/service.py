@@ -8,9 +8,9 @@ from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__Bool as Bool
 from giraff_core.estop.request import EStopRequest, Request
 from giraff_core.io import IO, Inbox
 from giraff_core.operator import OperatorService
+from giraff_core.picture.receiver import OpenSource
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
-from giraff_ros2.cameras import OpenSource
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.goal import Goals
 from giraff_ros2.hand.twist_hand import TwistHand

@@ -54,7 +54,6 @@ class Vision:
             "small": io.inbox(CAMERA_SMALL.at(self.camera), 4),
         }
         self._holds, self._out = io.publisher(CAMERA_ON.at(self.camera)), io.publisher(VISUAL_ODOM)
-        self._listens: PictureSize = "small"
         self._timer = Timer(_LOOK_HZ)
         self.timers = (self._timer,)
         self._turned = -math.inf
@@ -78,9 +77,8 @@ class Vision:
                 if self._asker.takes(picture, size):
                     self._say(self._asker.on_picture(picture, size, now))
                     self._on_picture(picture, now)
-        if self._asker.size != self._listens:
-            self._listens = self._asker.size
-            self._asker.listen(self._listens)
+        if self._asker.size != self._asker.listens:
+            self._asker.listen(self._asker.size)
         if self._timer.due(now):
             self._report(now)
 
@@ -88,7 +86,7 @@ class Vision:
         """Nothing is left to say: it looks no longer once its words are missing."""
 
     def _ask(self, now: float) -> None:
-        self._asker, self._listens = PictureAsker(self.camera, self._by), "small"
+        self._asker = PictureAsker(self.camera, self._by)
         self._asker.want("full", now)
 
     def _say(self, hold: CameraHold | None) -> None:

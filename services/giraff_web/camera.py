@@ -5,10 +5,11 @@ A person switches it on at a page that may drive. Whatever ends it, it never com
 
 import math
 import struct
-from collections.abc import Callable
-from typing import Final, Protocol
+from dataclasses import dataclass
+from typing import Final
 
-from giraff_schemas.camera import CameraState, Picture, PictureSize
+from giraff_core.picture.receiver import OpenSource, PictureReceiver
+from giraff_schemas.camera import CameraState, PictureSize
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.messages import CameraView, Looking
 from giraff_web.pages import Pages
@@ -25,7 +26,7 @@ _PROVEN: Final = 10
 _REST: Final = 10.0
 """s after a slow one until they count."""
 _APART: Final = 1.0
-"""s between two starts to look, however often a page is tapped: each opens a session."""
+"""s between two starts to look, however often a page is tapped."""
 _HEADER: Final = struct.Struct(">IIQ")
 """Number of the picture, then epoch and robot_ns of its tick, both 0 where it has none. The JPEG follows."""
 
@@ -35,38 +36,17 @@ _RESTARTED: Final = Trouble("the camera was started anew", _AGAIN)
 _NOT_SHOWN: Final = Trouble(f"the page showed nothing for {SILENT:g} s", f"check the wireless network, and {_AGAIN}")
 
 
-class PictureSource(Protocol):
-    """What sees the robot's camera: `giraff_node.picture_client.PictureClient` in a process. No call waits."""
-
-    @property
-    def by(self) -> str:
-        """Who looks, for people."""
-        ...
-
-    @by.setter
-    def by(self, by: str, /) -> None: ...
-    @property
-    def trouble(self) -> Trouble: ...
-    def want(self, *, largest: PictureSize = "full") -> None: ...
-    def pop_picture(self) -> Picture | None: ...
-    def close(self) -> None: ...
-
-
-OpenSource = Callable[[str, str], PictureSource]
-"""Takes the camera's name, and who looks."""
-
-
+@dataclass
 class _Page:
     """One page that looks."""
 
-    def __init__(self, device: str) -> None:
-        self.device = device
-        self.shown = 0
-        """Number of the newest picture that it was sent."""
-        self.is_waiting = False
-        """It has not confirmed that one yet."""
-        self.at = 0.0
-        """When it was sent."""
+    device: str
+    shown: int = 0
+    """Number of the newest picture that it was sent."""
+    is_waiting: bool = False
+    """It has not confirmed that one yet."""
+    at: float = 0.0
+    """When it was sent."""
 
 
 class PageCameras:
@@ -74,12 +54,12 @@ class PageCameras:
 
     def __init__(self, pages: Pages, by: str, open_source: OpenSource | None) -> None:
         """`by`: this service, as people know it. `open_source`: None: no page may look."""
-        self._tell, self._by, self._open = pages, by, open_source
+        self._tell, self._by = pages, by
+        self._may_look = open_source is not None
+        self._pictures = PictureReceiver(open_source, apart=_APART)
         self._looking: dict[int, _Page] = {}
-        self._source: PictureSource | None = None
         self._state: CameraState | None = None
         self._heard = -math.inf
-        self._opened = -math.inf
         self._n = 0
         self._newest = b""
         self._largest: PictureSize = "small"
@@ -97,7 +77,7 @@ class PageCameras:
             return None
         if now - self._heard > SILENT:
             return CameraView(askers=(), why=_NO_CAMERA)
-        why = (self._source.trouble if self._source is not None else NO_TROUBLE) or self._state.reason
+        why = self._pictures.trouble(self._state.camera) or self._state.reason
         return CameraView(askers=tuple(asker.by for asker in self._state.askers), why=why)
 
     def on_state(self, state: CameraState, now: float) -> None:
@@ -114,7 +94,7 @@ class PageCameras:
         """A person has switched it on or off at a page that may drive."""
         if not on:
             self._end(page, NO_TROUBLE)
-        elif self._state is None or self._open is None:
+        elif self._state is None or not self._may_look:
             self._end(page, _NO_CAMERA)
         else:
             if not self._looking:
@@ -122,8 +102,6 @@ class PageCameras:
             self._looking.setdefault(page, _Page(device))
             self._largest, self._quick = "small", 0  # nothing is known of the link to this page
             self._tell.send(page, Looking(on=True, why=NO_TROUBLE))
-            if self._source is not None:
-                self._source.by = self._named()
 
     def on_closed(self, page: int) -> None:
         """Forget a page that is gone."""
@@ -153,11 +131,10 @@ class PageCameras:
                 self._end(number, _NOT_SHOWN)
             elif page.is_waiting and now - page.at > SLOW:
                 self._slow_down(now)
-        if self._source is None and not self._open_source(now):
+        if not self._looking or self._state is None:
             return
-        assert self._source is not None  # noqa: S101  it was opened
-        self._source.want(largest=self._largest)
-        if (picture := self._source.pop_picture()) is not None:
+        self._pictures.by = f"{self._by} ({self.devices})"
+        if (picture := self._pictures.ask(self._state.camera, now, self._largest)) is not None:
             self._n += 1
             tick = picture.tick
             header = _HEADER.pack(self._n, *((tick.epoch, tick.robot_ns) if tick is not None else (0, 0)))
@@ -172,14 +149,6 @@ class PageCameras:
         self._looking.clear()
         self._close_unseen()
 
-    def _open_source(self, now: float) -> bool:
-        """Begin to look, if a page does; whether that is done."""
-        if not self._looking or self._state is None or self._open is None or now - self._opened < _APART:
-            return False
-        self._opened, self._newest = now, b""
-        self._source = self._open(self._state.camera, self._named())
-        return True
-
     def _slow_down(self, now: float) -> None:
         self._largest, self._quick, self._counts_from = "small", 0, now + _REST
 
@@ -189,13 +158,6 @@ class PageCameras:
         self._close_unseen()
 
     def _close_unseen(self) -> None:
-        if self._source is None:
-            return
-        if self._looking:
-            self._source.by = self._named()
-        else:
-            self._source.close()
-            self._source = None
-
-    def _named(self) -> str:
-        return f"{self._by} ({self.devices})"
+        if not self._looking:
+            self._pictures.close()
+            self._newest = b""

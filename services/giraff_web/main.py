@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -19,7 +20,6 @@ from giraff_schemas.health import WebPage
 from giraff_schemas.services import WEB
 from giraff_schemas.text import plain
 from giraff_schemas.trouble import Trouble
-from giraff_web.camera import PictureSource
 from giraff_web.config import WebConfig
 from giraff_web.messages import Room
 from giraff_web.server.host import RIGHTS, HostSocket, own_socket
@@ -47,9 +47,7 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
     from giraff_web.server.certificates import CertificateProblemError  # noqa: PLC0415  its libraries may be missing
     from giraff_web.server.server import PortError, Server  # noqa: PLC0415
 
-    def open_source(camera: str, by: str) -> PictureSource:
-        return PictureClient(node.network, node.robot.name, camera, by)
-
+    open_source = partial(PictureClient, node.network, node.robot.name)
     try:
         room = _room(node.config.room)
         config = _open_at(node)

@@ -6,6 +6,7 @@ from typing import Any, Final
 from giraff_core.estop.request import Request
 from giraff_core.io import IO, Inbox
 from giraff_core.operator import Fault, OperatorService, Wish
+from giraff_core.picture.receiver import OpenSource
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.camera import CameraState
@@ -26,7 +27,7 @@ from giraff_schemas.topics import (
     Topic,
 )
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
-from giraff_web.camera import OpenSource, PageCameras
+from giraff_web.camera import PageCameras
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
 from giraff_web.messages import Hello, LetGo, Look, PageWish, PictureSeen, Refused, Reset, Room

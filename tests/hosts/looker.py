@@ -63,8 +63,7 @@ def main(robot: str, camera: str, network: str, seconds: str) -> None:
 def _look(client: PictureClient, seconds: float, came: Came | None) -> None:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        client.want()
-        picture = client.pop_picture()
+        picture = client.ask()
         if picture is not None and came is not None:
             came.pictures.append(_age(picture))
             came.bytes.append(len(picture.jpeg))

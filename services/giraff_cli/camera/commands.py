@@ -20,7 +20,7 @@ def list_cameras(robot: Robot = None, connect: Connect = None, seconds: Listen =
 
     Exit code: 0; 2 no robot, or none of its cameras is heard.
     """
-    from giraff_cli.camera.listing import list_cameras as run  # noqa: PLC0415
+    from giraff_cli.camera.look import list_cameras as run  # noqa: PLC0415
 
     raise typer.Exit(run(robot, connect or (), seconds, as_json=as_json))
 

@@ -6,13 +6,13 @@ import sys
 import time
 from typing import Any, Final
 
+from giraff_core.picture.receiver import PictureReceiver
 from giraff_node import robot_now_ns
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.messages import Sample, Tick
-from giraff_schemas.topics import TICK, Topic
+from giraff_schemas.topics import CAMERA, TICK, Topic
 from giraff_tools.network.command import print_error
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.network.picture_subscriber import PictureSubscriber
 from giraff_tools.network.ports import free_port
 from giraff_tools.terminal.signals import StopSignal
 from giraff_viewer.scene import stock
@@ -28,7 +28,7 @@ _FAILED: Final = 1
 
 def show(
     connection: RobotConnection,
-    pictures: PictureSubscriber,
+    pictures: PictureReceiver,
     camera: str,
     seconds: float | None,
     stopping: StopSignal,
@@ -60,9 +60,8 @@ def show(
 class CameraWindow:
     """What a camera sees, drawn by rerun with its age."""
 
-    def __init__(self, connection: RobotConnection, pictures: PictureSubscriber, camera: str) -> None:
-        self._connection = connection
-        self._pictures = pictures
+    def __init__(self, connection: RobotConnection, pictures: PictureReceiver, camera: str) -> None:
+        self._connection, self._pictures, self._camera = connection, pictures, camera
         self._ahead_ns = 0
         """Wall clock minus this host's, which what is heard is stamped with."""
         self.show = Show(stock(connection.robot), live=True, camera=camera)
@@ -72,16 +71,16 @@ class CameraWindow:
         """Draw what has come."""
         self._ahead_ns = time.time_ns() - robot_now_ns()
         self._connection.dispatch(self)
-        for seen in self._pictures.pop_pictures():
+        if (picture := self._pictures.ask(self._camera, time.monotonic())) is not None:
             self.has_seen = True
-            self.show.on_sample(seen.topic, seen.picture, time.time_ns())
-        for trouble in self._pictures.troubles():
+            self.show.on_sample(CAMERA, picture, time.time_ns())
+        for trouble in self._pictures.new_troubles():
             print_error(trouble)
         self.show.update(time.time_ns())
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """As `Listener` has it."""
-        self._pictures.on_sample(topic, key, sample, at_ns)
+        del key
         if isinstance(sample, Tick):
             self.show.on_sample(topic, sample, at_ns + self._ahead_ns)
 

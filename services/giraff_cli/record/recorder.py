@@ -15,8 +15,8 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.record.pictures import NoPictures, RecordedPictures
 from giraff_cli.record.report import DONE, INCOMPLETE, Report, told
+from giraff_core.picture.receiver import PictureReceiver
 from giraff_mcap.metadata import ASKED, metadata_of
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
@@ -30,15 +30,17 @@ from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import ANSWERING
 from giraff_schemas.text import meant, printable
-from giraff_schemas.topics import CAMERA_PICTURES, PARAM_DESCRIBE, TOPICS, key_below, key_of
+from giraff_schemas.topics import CAMERA_PICTURES, CAMERA_STATE, PARAM_DESCRIBE, TOPICS, key_below, key_of
 from giraff_tools.network.command import print_error, run_on_network
 from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.pictures import pictures_for
 from giraff_tools.network.topic_keys import UnknownKeyError, all_below_robot
 from giraff_tools.terminal.signals import StopSignal
 
 _LOOK_EVERY: Final = 0.2  # s
 _SYNC_EVERY: Final = 0.4  # s; with a slow write still less than the second that a crash may cost
 _TUNE_EVERY: Final = 2.0  # s; a link of the recorder's only thread, which would otherwise be held up by its end
+_PICTURES_EVERY: Final = 0.015  # s; the quickest camera takes 60 a second
 _SILENT_AFTER: Final = 3.0  # s
 _MOST: Final = 50  # processes that are asked at once; on an open network anybody may declare a name
 
@@ -50,6 +52,35 @@ class Limits(msgspec.Struct, frozen=True):
     """From the first sample on."""
     size: int | None
     """Bytes that the file never exceeds."""
+
+
+class RecordedPictures:
+    """All that the cameras of the robot see. It is asked for, and comes over a link of its own."""
+
+    def __init__(self, connection: RobotConnection, pictures: PictureReceiver) -> None:
+        """`pictures`: of the cameras that are heard on `connection`."""
+        self._connection, self._pictures = connection, pictures
+        self._taken: list[RawSample] = []
+        connection.subscribe(CAMERA_STATE)
+
+    def wait(self, stopping: StopSignal, seconds: float) -> bool:
+        """Take pictures for so long; True: somebody has asked for the end."""
+        until = time.monotonic() + seconds
+        while (left := until - (now := time.monotonic())) > 0.0:
+            if stopping.wait(min(_PICTURES_EVERY, left)):
+                return True
+            self._connection.dispatch(self._pictures)
+            for topic, sample in self._pictures.ask_all(now):
+                key = key_of(self._connection.robot, topic)
+                self._taken.append(RawSample(time.monotonic_ns(), key, encode(sample), encoding_of(type(sample))))
+        return False
+
+    def pop_all(self) -> list[RawSample]:
+        """Return the pictures that were taken since the last call."""
+        for trouble in self._pictures.new_troubles():
+            print_error(f"no picture: {trouble}")
+        taken, self._taken = self._taken, []
+        return taken
 
 
 def record(
@@ -128,10 +159,11 @@ def _record(
     with (
         writer,
         closing(RawSubscriber(connection.session, keys)) as subscriber,
-        closing(RecordedPictures(connection) if camera else NoPictures()) as pictures,
+        closing(pictures_for(connection, "record")) as receiver,
     ):
         print_progress(f"recording {robot} into {path}; Ctrl-C ends it")
         trouble = ended_by = ""
+        pictures = RecordedPictures(connection, receiver) if camera else None
         try:
             parameters = RecordedParameters(connection.session, robot)
             ended_by = _follow(robot, monitor, writer, subscriber, pictures, parameters, stopping, limits)
@@ -178,7 +210,7 @@ def _follow(
     monitor: RobotMonitor,
     writer: RecordingWriter,
     subscriber: RawSubscriber,
-    pictures: NoPictures,
+    pictures: RecordedPictures | None,
     parameters: "RecordedParameters",
     stopping: StopSignal,
     limits: Limits,
@@ -187,9 +219,9 @@ def _follow(
     began = time.monotonic()
     warned, waited, tune_at = False, began, began
     while True:
-        ended = pictures.wait(stopping, _SYNC_EVERY)
+        ended = pictures.wait(stopping, _SYNC_EVERY) if pictures else stopping.wait(_SYNC_EVERY)
         at_ns = time.monotonic_ns()  # what is heard later than this is not taken before the parameters
-        heard = [*subscriber.pop_all(), *pictures.pop_all()]
+        heard = [*subscriber.pop_all(), *(pictures.pop_all() if pictures else ())]
         if heard or writer.first_ns is not None:  # a robot that says nothing is not recorded
             heard += parameters.pop_all(time.monotonic(), at_ns)
         writer.add(sorted(heard, key=attrgetter("at_ns")))

@@ -23,7 +23,7 @@ from giraff_schemas.topics import ODOM_ECHOES, Topic
 from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.limits import ask_base, limits_of
-from giraff_tools.network.picture_subscriber import PictureSubscriber
+from giraff_tools.network.pictures import pictures_for
 from giraff_tools.terminal.program import user_at_host
 from giraff_tools.terminal.signals import StopSignal
 from giraff_viewer.machine import require_memory
@@ -58,7 +58,7 @@ class LiveViewer:
         self._options = options
         self._stopping = stopping
         self._stage: ViewerOutput | None = None
-        self._pictures = PictureSubscriber.of(connection, "view") if options.camera else None
+        self._pictures = pictures_for(connection, "view") if options.camera else None
         self._shape = ask_base(connection)
         self._earlier = QueryClient(connection.session, connection.robot, ODOM_ECHOES, OdomEchoes(by=user_at_host()))
         self._ahead_ns = 0
@@ -122,18 +122,14 @@ class LiveViewer:
                 stage.show.draw(robot, time.time_ns())
                 is_shaped = True
             if self._pictures is not None:
-                self._draw_pictures(stage, self._pictures)
+                for seen in self._pictures.ask_all(now):
+                    stage.show.on_sample(*seen, time.time_ns())
+                for trouble in self._pictures.new_troubles():
+                    print_error(trouble)
             stage.show.update(time.time_ns())
             if not told and not stage.show.heard and now - began > _TELL_AFTER:
                 told = True
                 print_error(f"{self._unheard()}; waiting for it")
-
-    @staticmethod
-    def _draw_pictures(stage: ViewerOutput, pictures: PictureSubscriber) -> None:
-        for seen in pictures.pop_pictures():
-            stage.show.on_sample(seen.topic, seen.picture, time.time_ns())
-        for trouble in pictures.troubles():
-            print_error(trouble)
 
 
 def _refusal(recording: Path | None, options: Options) -> str:

@@ -1,5 +1,4 @@
-"""One who looks at a camera of the robot: the asker's side of `giraff_camera`, and which picture they take. No I/O and
-no clock."""
+"""One who looks at a camera of the robot: the asker's side of `giraff_camera`. No I/O and no clock."""
 
 import math
 from typing import Final
@@ -11,8 +10,6 @@ _LETS_GO: Final = 1.0
 """s after the last `want` that nobody looks any longer."""
 _ANSWERS_WITHIN: Final = 2.0
 """s in which a camera that is heard takes the word of somebody who may look."""
-_FULL_WITHIN: Final = 2.0
-"""s after the first small picture in which a full one comes, where the link carries it."""
 _OVER: Final = Trouble("nobody here looked for a while, and it shows nothing by itself", "ask for its picture again")
 _RESTARTED: Final = Trouble("the camera has started again, and shows nothing by itself", "ask for its picture again")
 
@@ -37,7 +34,8 @@ class PictureAsker:
         """The newest of the camera."""
         self.size: PictureSize = "small"
         """Size of the pictures to listen to. `listen` tells that it is done."""
-        self._listens: PictureSize = "small"
+        self.listens: PictureSize = "small"
+        """Size of the pictures that are listened to."""
 
     def want(self, largest: PictureSize, now: float) -> None:
         """Somebody still looks; to be said twice a second at least. `now`: s of any one monotonic clock."""
@@ -63,11 +61,11 @@ class PictureAsker:
 
     def listen(self, size: PictureSize) -> None:
         """Pictures of this size are listened to from now on."""
-        self._listens, self._seen = size, -1
+        self.listens, self._seen = size, -1
 
     def takes(self, picture: Picture, size: PictureSize) -> bool:
         """Whether a picture of this size is this asker's. Others may have asked for it alone."""
-        return size == self._listens and picture.instance == self._instance != "" and not self._is_over
+        return size == self.listens and picture.instance == self._instance != "" and not self._is_over
 
     def on_picture(self, picture: Picture, size: PictureSize, now: float) -> CameraHold | None:
         """Take a picture of this size; returns what is to be said."""
@@ -106,33 +104,7 @@ class PictureAsker:
             to=self._instance,
             state=self.state.seq,
             by=self.by,
-            size=self._listens,
+            size=self.listens,
             seen=self._seen,
             largest=self._largest,
         )
-
-
-class PictureChoice:
-    """Prefers a full picture, and takes small ones where no full one comes: everybody begins with small ones."""
-
-    def __init__(self) -> None:
-        self._since: float | None = None
-        self._small: Picture | None = None
-
-    def choose(self, picture: Picture | None, full_width: int, now: float) -> Picture | None:
-        """Take what has come, and return the picture that counts; None: wait for a better one.
-
-        `full_width`: px of a full picture. `now`: s of any one monotonic clock.
-        """
-        if picture is not None:
-            if picture.width >= full_width:
-                self._small = None
-                return picture
-            self._since = now if self._since is None else self._since
-            self._small = picture
-        return self.give_up() if self._since is not None and now - self._since >= _FULL_WITHIN else None
-
-    def give_up(self) -> Picture | None:
-        """Return the newest small picture that was not taken; None: there is none."""
-        picture, self._small = self._small, None
-        return picture

@@ -2,17 +2,19 @@
 
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Final
 
+from giraff_core.picture.receiver import PictureSource
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.picture_client import PictureClient
 from giraff_setup.camera.board import View, find_board, is_new, missing
 from giraff_setup.camera.conclusion import calibrated, changed, in_words
-from giraff_setup.camera.guide import Pictures, read, take_sheets, take_views
+from giraff_setup.camera.guide import read, take_sheets, take_views
 from giraff_setup.camera.lens import FEWEST, Lens, LensFit, fit_lens, lens_of
 from giraff_setup.camera.picture import Grey, UnusableError
 from giraff_setup.camera.sheet import FloorPose, find_sheet, middle_of
@@ -31,23 +33,6 @@ Measure = Callable[[Human, Lens], tuple[LensFit, list[FloorPose]]]
 """From a person, and the lens of the robot file. Raises UnusableError and NobodyError."""
 SHEET: Final = "sheet"
 _KINDS: Final = frozenset({".jpg", ".jpeg", ".png"})
-
-
-class LivePictures:
-    """Those of a robot's camera."""
-
-    def __init__(self, client: PictureClient) -> None:
-        self._client = client
-
-    def pop_picture(self) -> bytes | None:
-        """As `Pictures`."""
-        self._client.want()
-        picture = self._client.pop_picture()
-        return None if picture is None else picture.jpeg
-
-    def trouble(self) -> str:
-        """As `Pictures`."""
-        return str(self._client.trouble)
 
 
 def calibrate_camera(
@@ -79,11 +64,8 @@ def _calibrate(
             human = Terminal(sys.stdin, sys.stdout)
             introduce(human, connection.robot, path)
             by = f"giraff calibrate, {user_at_host()}"
-            client = PictureClient(connection.network, connection.robot, which, by)
-            try:
-                return guide(human, which, camera, path, measure_live(LivePictures(client)), report)
-            finally:
-                client.close()
+            with closing(PictureClient(connection.network, connection.robot, which, by)) as pictures:
+                return guide(human, which, camera, path, measure_live(pictures), report)
         except (ConfigError, UnusableError) as error:
             return _complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
@@ -114,7 +96,7 @@ def choose(filed: RobotConfig, name: str | None) -> tuple[str, Camera]:
     raise UnusableError(f"the robot file {what}; its cameras: {known}. Name one, or add [robot.sensors.<name>]")
 
 
-def measure_live(pictures: Pictures) -> Measure:
+def measure_live(pictures: PictureSource) -> Measure:
     """Return what guides a person before the camera."""
 
     def measure(human: Human, lens: Lens) -> tuple[LensFit, list[FloorPose]]:

@@ -1,8 +1,9 @@
 """A person with a board and a sheet before the camera: what to do next, and when a picture is taken."""
 
 import time
-from typing import Final, Protocol
+from typing import Final
 
+from giraff_core.picture.receiver import PictureSource
 from giraff_setup.camera.board import View, find_board, is_new, is_still, missing
 from giraff_setup.camera.lens import FEWEST, Lens, LensFit, fit_lens
 from giraff_setup.camera.picture import Grey, UnusableError, decode
@@ -18,18 +19,6 @@ _SAME: Final = 10
 _PAUSE: Final = 0.03  # s
 _PATIENCE: Final = 150
 """Pauses and pictures until the person is asked again."""
-
-
-class Pictures(Protocol):
-    """Where pictures come from while somebody looks."""
-
-    def pop_picture(self) -> bytes | None:
-        """Return the newest picture that was not taken yet; None: there is none."""
-        ...
-
-    def trouble(self) -> str:
-        """Return why there are none, and what to do; empty: one will come."""
-        ...
 
 
 def read(data: bytes, lens: Lens) -> Grey:
@@ -80,7 +69,7 @@ class ViewGuide:
         return words or self._unlike or "show the board elsewhere, tilted another way"
 
 
-def take_views(human: Human, pictures: Pictures, lens: Lens) -> LensFit:
+def take_views(human: Human, pictures: PictureSource, lens: Lens) -> LensFit:
     """Guide the person with the board until the lens is known; Ctrl-C ends it."""
     human.show(
         "Hold the board of `giraff camera board` before the camera, flat, and still for a moment at each place. "
@@ -90,9 +79,9 @@ def take_views(human: Human, pictures: Pictures, lens: Lens) -> LensFit:
     guide = ViewGuide(lens)
     told, trouble, count = "", "", 0
     while guide.fit is None:
-        data = pictures.pop_picture()
-        words, taken = guide.see(data) if data is not None else (pictures.trouble(), False)
-        if data is None:
+        picture = pictures.ask()
+        words, taken = guide.see(picture.jpeg) if picture is not None else (str(pictures.trouble), False)
+        if picture is None:
             time.sleep(_PAUSE)
         count = count + 1 if words == trouble else 1
         trouble = words
@@ -102,15 +91,14 @@ def take_views(human: Human, pictures: Pictures, lens: Lens) -> LensFit:
     return guide.fit
 
 
-def take_sheets(human: Human, pictures: Pictures, lens: Lens) -> list[FloorPose]:
+def take_sheets(human: Human, pictures: PictureSource, lens: Lens) -> list[FloorPose]:
     """Guide the person with the sheet. Raises NobodyError."""
 
     def find() -> str:
-        data = pictures.pop_picture()
-        if data is None:
-            return shown[0] if not (trouble := pictures.trouble()) else trouble
+        if (picture := pictures.ask()) is None:
+            return str(pictures.trouble) or shown[0]
         try:
-            pose = find_sheet(read(data, lens), lens)
+            pose = find_sheet(read(picture.jpeg, lens), lens)
             shown[0] = f"the sheet is seen: the camera is {pose.z:.3f} m high"
         except UnusableError as error:
             shown[0] = str(error)
@@ -138,16 +126,16 @@ def take_sheets(human: Human, pictures: Pictures, lens: Lens) -> list[FloorPose]
             return found
 
 
-def _collect(found: list[FloorPose], wanted: int, pictures: Pictures, lens: Lens) -> str:
+def _collect(found: list[FloorPose], wanted: int, pictures: PictureSource, lens: Lens) -> str:
     """Add poses until there are so many; return why they do not come, empty: they have."""
     trouble = "no picture comes"
     for _ in range(_PATIENCE):
-        if (data := pictures.pop_picture()) is None:
-            trouble = pictures.trouble() or trouble
+        if (picture := pictures.ask()) is None:
+            trouble = str(pictures.trouble) or trouble
             time.sleep(_PAUSE)
             continue
         try:
-            found.append(find_sheet(read(data, lens), lens))
+            found.append(find_sheet(read(picture.jpeg, lens), lens))
         except UnusableError as error:
             trouble = str(error)
         if len(found) >= wanted:

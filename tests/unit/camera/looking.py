@@ -45,9 +45,7 @@ class Viewer:
         self.came: list[Came] = []
         self.busy_until = 0.0
         self.said = 0
-        self.size: PictureSize = "small"
         self.largest: PictureSize = "full"
-        self.sleeps = False
         self.sleeps = False
         self.confirms = True
         """It answers pictures, and not states alone."""
@@ -85,9 +83,8 @@ class Scene:
         for viewer in self.viewers:
             if now < viewer.until and not viewer.sleeps:
                 viewer.asker.want(viewer.largest, now)
-            if viewer.size != viewer.asker.size:
-                viewer.size = viewer.asker.size
-                viewer.asker.listen(viewer.size)
+            if viewer.asker.listens != viewer.asker.size:
+                viewer.asker.listen(viewer.asker.size)
         policy.update(now)
         if now >= self._next_state:
             self._next_state += 1.0 / CAMERA_STATE.rate_hz
@@ -132,7 +129,7 @@ class Scene:
             self._at(viewer.busy_until + viewer.link.delay, arrives)
 
     def _listening(self, size: PictureSize) -> Iterator[Viewer]:
-        return (viewer for viewer in self.viewers if viewer.size == size)
+        return (viewer for viewer in self.viewers if viewer.asker.listens == size)
 
     def _answer(self, viewer: Viewer, hold: CameraHold | None) -> None:
         if hold is not None:

@@ -4,25 +4,22 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import msgspec
 import pytest
 
-from giraff_cli.camera.listing import Cameras, report_of, rows_of
-from giraff_cli.camera.look import choose_camera
+from giraff_cli.camera.look import Cameras, choose_camera, report_of, rows_of
 from giraff_cli.camera.window import CameraWindow, show
-from giraff_cli.record.pictures import RecordedPictures
-from giraff_cli.record.recorder import wanted_topics
-from giraff_core.picture.asker import PictureChoice
+from giraff_cli.record.recorder import RecordedPictures, wanted_topics
+from giraff_core.picture.receiver import PictureReceiver
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_node.network.consent import NoRobotError
-from giraff_schemas.camera import CameraState, Picture
+from giraff_schemas.camera import Picture
 from giraff_schemas.codec import encode
 from giraff_schemas.messages import Tick
-from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE, TICK
-from giraff_schemas.trouble import NO_TROUBLE, Trouble
-from giraff_tools.network.picture_subscriber import PictureSubscriber
+from giraff_schemas.topics import CAMERA_STATE, TICK
+from giraff_schemas.trouble import Trouble
 from giraff_tools.terminal.signals import StopSignal
+from tests.support.picture_source import Source
 from tests.unit.cli.samples import at, camera
 from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ROBOT, record
@@ -41,57 +38,6 @@ def picture(seq: int, width: int = 320) -> Picture:
     )
 
 
-class Source:
-    """A camera that has been asked."""
-
-    def __init__(self, *pictures: Picture) -> None:
-        self.coming = list(pictures)
-        self.state: CameraState | None = camera()
-        self.trouble = NO_TROUBLE
-        self.wanted = 0
-        self.closed = False
-
-    def want(self) -> None:
-        self.wanted += 1
-
-    def pop_picture(self) -> Picture | None:
-        return self.coming.pop(0) if self.coming else None
-
-    def close(self) -> None:
-        self.closed = True
-
-
-def hear(pictures: PictureSubscriber, name: str) -> None:
-    state = msgspec.structs.replace(camera(), camera=name)
-    pictures.on_sample(CAMERA_STATE, CAMERA_STATE.at(name).key, state, 0)
-
-
-def test_a_camera_is_asked_once_it_is_heard_and_as_long_as_somebody_looks() -> None:
-    sources = {"head": Source(picture(0, 160), picture(1)), "rear": Source()}
-    pictures = PictureSubscriber(sources.__getitem__)
-    assert pictures.pop_pictures() == []
-    for name in ("head", "head", "rear"):
-        hear(pictures, name)
-    assert pictures.cameras == ("head", "rear")
-    assert [seen.topic for _ in range(3) for seen in pictures.pop_pictures()] == [
-        CAMERA_SMALL.at("head"),
-        CAMERA.at("head"),
-    ]
-    assert {source.wanted for source in sources.values()} == {3}
-    sources["rear"].trouble = Trouble("the camera has started again", "ask again")
-    assert pictures.troubles() == ["the camera has started again; ask again"]
-    assert pictures.troubles() == []
-    pictures.close()
-    assert all(source.closed for source in sources.values())
-
-
-def test_of_several_cameras_the_one_that_was_named_is_asked() -> None:
-    pictures = PictureSubscriber(lambda _: Source(), only="rear")
-    for name in ("head", "rear"):
-        hear(pictures, name)
-    assert pictures.cameras == ("rear",)
-
-
 def test_which_camera_is_meant() -> None:
     both = {"head": camera(), "rear": camera()}
     assert choose_camera("giraff", {"head": camera()}, None) == "head"
@@ -100,19 +46,6 @@ def test_which_camera_is_meant() -> None:
         choose_camera("giraff", both, None)
     with pytest.raises(NoRobotError, match="giraff has no camera 'eye'; there are: head, rear"):
         choose_camera("giraff", both, "eye")
-
-
-def test_a_full_picture_is_waited_for_and_a_small_one_taken_where_none_comes() -> None:
-    choice = PictureChoice()
-    small, full = picture(0, 160), picture(1)
-    assert [choice.choose(small, 320, 5.0), choice.choose(full, 320, 5.5)] == [None, full]
-    assert choice.give_up() is None
-    assert [choice.choose(each, 320, now) for each, now in ((small, 6.9), (None, 7.0), (None, 7.1))] == [
-        None,
-        small,
-        None,
-    ]
-    assert choice.choose(small, 320, 7.2) == small  # on such a link each one counts
 
 
 def test_a_list_says_who_looks_and_what_is_wrong() -> None:
@@ -126,9 +59,9 @@ def test_pictures_that_were_asked_for_are_recorded_byte_for_byte(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sent = [picture(0, 160), picture(1), picture(2)]
-    source = Source(*sent)
-    pictures = PictureSubscriber(lambda _: source)
-    hear(pictures, "head")
+    source = Source("head", "", *sent)
+    pictures = PictureReceiver(lambda *_: source)
+    pictures.on_sample(CAMERA_STATE, "", camera(), 0)
     connection: Any = SimpleNamespace(robot=ROBOT, subscribe=lambda _: None, dispatch=lambda _: None)
     kept = RecordedPictures(connection, pictures)
     monkeypatch.setattr(StopSignal, "wait", lambda *_: False)
@@ -142,8 +75,6 @@ def test_pictures_that_were_asked_for_are_recorded_byte_for_byte(
     assert [each.key for each in read] == ["camera/head/@small", "camera/head/@full", "camera/head/@full"]
     assert [each.decode() for each in read] == sent
     assert [each.payload for each in read] == [encode(each) for each in sent]
-    kept.close()
-    assert source.closed
 
 
 @pytest.mark.parametrize("pattern", ["camera/head/@full", "camera/*/@small", "**/@full"])
@@ -163,10 +94,10 @@ def test_no_tool_listens_to_a_picture_that_it_has_not_asked_for(verb: str, giraf
 def test_a_window_shows_what_comes_and_tells_why_nothing_does(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    source, drawn = Source(picture(0), picture(1)), []
+    source, drawn = Source("head", "", picture(0), picture(1)), []
     shown = SimpleNamespace(on_sample=lambda *given: drawn.append(given[1]), update=lambda _: None)
     monkeypatch.setattr("giraff_cli.camera.window.Show", lambda *_, **__: shown)
-    pictures = PictureSubscriber(lambda _: source)
+    pictures = PictureReceiver(lambda *_: source)
     tick = Tick(epoch=7, robot_ns=1)
 
     def dispatch(listener: CameraWindow) -> None:

@@ -7,38 +7,31 @@ import pytest
 
 import giraff_client.camera
 from giraff_client import Robot, SilentError
-from giraff_schemas.camera import CameraState, Picture
+from giraff_schemas.camera import Picture
 from giraff_schemas.topics import CAMERA_STATE
-from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from giraff_schemas.trouble import Trouble
+from tests.support.picture_source import Source
 from tests.unit.cli import samples
 from tests.unit.client.test_robot import Network, network, robot
 
 __all__ = ["network", "robot"]  # fixtures
 
 
-class Client:
-    """A `PictureClient`: pictures come as `plan` has it, by s since it began; then none."""
+class Client(Source):
+    """Pictures come as `plan` has it, by s since it began; then none."""
 
     def __init__(self, clock: Callable[[], float], plan: dict[float, int]) -> None:
+        super().__init__()
         self._clock, self._began = clock, clock()
         self._plan = dict(plan)
-        self.state: CameraState | None = samples.camera()
-        self.trouble = NO_TROUBLE
-        self.closed = False
 
-    def want(self) -> None:
-        """Go on."""
-
-    def pop_picture(self) -> Picture | None:
+    def next_picture(self) -> Picture | None:
         now = self._clock()
         for at in [at for at in self._plan if now - self._began >= at]:
             width, old_ns = self._plan.pop(at), round(0.1e9)
             tick = samples.at(round(now * 1e9) - old_ns)
             return Picture(camera="head", jpeg=b"jpeg", width=width, height=width * 3 // 4, tick=tick)
         return None
-
-    def close(self) -> None:
-        self.closed = True
 
 
 class Cameras:

@@ -1,67 +1,37 @@
 """The cameras that ROS looks at, by calling."""
 
-from giraff_ros2.cameras import Cameras
-from giraff_ros2.topics import RosTopic
+from unittest.mock import MagicMock
+
+from giraff_ros2 import topics as ros
+from giraff_ros2.robot_in_ros import RobotInRos
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import RobotTime
+from tests.support.picture_source import Source, Sources
 from tests.support.robots import FITTED
 
 
-class Eye:
-    """Sees a camera."""
+class Eye(Source):
+    """A camera that has a new picture whenever it is asked."""
 
-    def __init__(self) -> None:
-        self.wanted, self.closed = 0, False
-
-    def want(self) -> None:
-        self.wanted += 1
-
-    def pop_picture(self) -> Picture | None:
+    def next_picture(self) -> Picture:
         tick = RobotTime(epoch=1, robot_ns=1)
         return Picture(camera="head", jpeg=b"\xff", width=1, height=1, tick=tick, stamp_ns=1)
 
-    def close(self) -> None:
-        self.closed = True
-
-
-class Watchers:
-    """Who of ROS subscribes."""
-
-    def __init__(self) -> None:
-        self.there = False
-        self.published: list[str] = []
-
-    def is_wanted(self, topic: RosTopic) -> bool:
-        return self.there and topic.name == "camera/head/compressed"
-
-    def publish(self, topic: RosTopic, message: object) -> None:
-        del message
-        self.published.append(topic.name)
-
 
 def test_a_camera_is_looked_at_only_while_somebody_of_ros_subscribes() -> None:
-    watchers, eyes = Watchers(), list[tuple[str, Eye]]()
-
-    def look(camera: str, by: str) -> Eye:
-        eyes.append((f"{camera} by {by}", Eye()))
-        return eyes[-1][1]
-
-    cameras = Cameras(FITTED, watchers, look, "ros2@desk")  # type: ignore[arg-type]  # what it needs of it
-    cameras.turn(0.0)
-    assert not eyes
-    watchers.there = True
-    cameras.turn(0.1)
-    cameras.turn(0.2)
-    ((who, eye),) = eyes
-    assert (who, eye.wanted) == ("head by ros2@desk", 2)
-    assert watchers.published == ["camera/head/compressed"] * 2
-    watchers.there = False
-    cameras.turn(0.3)
-    assert eye.closed
-    watchers.there = True
-    cameras.turn(0.4)  # too soon after the last start
-    assert len(eyes) == 1
-    cameras.turn(1.2)
-    assert len(eyes) == 2
-    cameras.close()
-    assert eyes[1][1].closed
+    eyes, port, topic = Sources(Eye), MagicMock(), ros.CAMERA.at("head")
+    port.wall_ns.return_value = 0
+    it = RobotInRos(FITTED, port, eyes, "ros2@desk")
+    came = []
+    for now, is_watched in ((0.0, False), (0.1, True), (0.2, True), (0.3, False), (0.4, True), (1.2, True)):
+        port.reset_mock()
+        port.is_wanted = lambda asked, is_watched=is_watched: is_watched and asked == topic
+        it.turn(now)
+        came.append(topic in [call.args[0] for call in port.publish.call_args_list])
+    assert came == [False, True, True, False, False, True], "too soon after the last start it looks not yet"
+    assert [(eye.camera, eye.by, len(eye.asked), eye.closed) for eye in eyes.opened] == [
+        ("head", "ros2@desk", 2, True),
+        ("head", "ros2@desk", 1, False),
+    ]
+    it.close()
+    assert eyes.opened[1].closed

@@ -11,6 +11,7 @@ import msgspec
 import pytest
 
 from giraff_core.sensors import Camera
+from giraff_schemas.camera import Picture
 from giraff_setup.camera.board import View, find_board, missing
 from giraff_setup.camera.calibrate import guide, measure_folder, measure_live
 from giraff_setup.camera.guide import read
@@ -20,6 +21,7 @@ from giraff_setup.camera.sheet import find_sheet, middle_of
 from giraff_sim.board import ROOT
 from giraff_tools.chessboard import drawing
 from tests.support.camera_pictures import Studio, TrueCamera, board_views, drawn, sheets
+from tests.support.picture_source import Source
 
 FILED: Final = Camera(x=0.05, z=1.0, pitch=0.35)
 LENS: Final = lens_of(FILED)
@@ -149,19 +151,17 @@ class Person:
         return self._answer if "Write" in question else ""
 
 
-class Shown:
+class Shown(Source):
     """Pictures of a board that is moved from place to place and held still at each, then of the sheet."""
 
     def __init__(self, taken: Taken) -> None:
+        super().__init__()
         moving = [STUDIO.board(0.01 * number, 0.0, 0.5) for number in range(2)]
         still = [each for view in taken.boards for each in (view, view)]
         self._left = iter([*moving, *still, *(each for one in taken.sheets for each in (one, one))])
 
-    def pop_picture(self) -> bytes | None:
-        return next(self._left)
-
-    def trouble(self) -> str:
-        return ""
+    def next_picture(self) -> Picture:
+        return Picture(camera="head", jpeg=next(self._left), width=0, height=0, tick=None)
 
 
 @pytest.fixture
