@@ -20,9 +20,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import cache, cached_property
+from functools import cache, cached_property, reduce
+from operator import getitem
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import IO, Any, Final, get_args
 
 import msgspec
 from mcap.records import Channel, Message
@@ -338,14 +339,24 @@ def _payload(key: str, channel: Channel, message: Message) -> bytes:
     if channel.message_encoding == RAW:
         return message.data
     content = msgspec.json.decode(message.data)
-    for field in _fields_of_bytes(key):
+    for *parts, field in _bytes_of(key):
         with suppress(KeyError, TypeError, ValueError):  # torn, or of another format: `decode` tells
-            content[field] = b64decode(content[field], validate=True)
+            within = reduce(getitem, parts, content)
+            within[field] = b64decode(within[field], validate=True)
     return msgspec.msgpack.encode(content)
 
 
 @cache
-def _fields_of_bytes(key: str) -> tuple[str, ...]:
+def _bytes_of(key: str) -> tuple[tuple[str, ...], ...]:
+    """Return the names that lead to each field of bytes."""
     topic = topic_of(key)
-    fields = () if topic is None else msgspec.structs.fields(topic.schema)
-    return tuple(field.name for field in fields if field.type is bytes)
+    return () if topic is None else tuple(_bytes_in(topic.schema))
+
+
+def _bytes_in(struct: type[msgspec.Struct]) -> Iterator[tuple[str, ...]]:
+    for field in msgspec.structs.fields(struct):
+        for type_ in get_args(field.type) or (field.type,):
+            if type_ is bytes:
+                yield (field.name,)
+            elif isinstance(type_, type) and issubclass(type_, msgspec.Struct):
+                yield from ((field.name, *names) for names in _bytes_in(type_))

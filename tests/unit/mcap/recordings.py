@@ -1,6 +1,7 @@
 """Samples as a recorder hears them."""
 
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -36,7 +37,7 @@ def odometry(seq: int, instance: str = "made") -> Odometry:
     )
 
 
-def heard(sample: Sample, at_ns: int, topic: Topic[Odometry] = ODOM) -> RawSample:
+def heard(sample: Sample, at_ns: int, topic: Topic[Any] = ODOM) -> RawSample:
     """As it comes over the network."""
     return RawSample(at_ns, key_of(ROBOT, topic), encode(sample), encoding_of(type(sample)))
 

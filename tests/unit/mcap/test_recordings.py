@@ -14,9 +14,10 @@ from giraff_mcap import writing
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.writing import RecordingWriter, schema_of
-from giraff_schemas.codec import DecodeError
-from giraff_schemas.topics import OPERATOR_CMD_VEL, TOPICS, topic_of
-from tests.unit.mcap.recordings import ABOUT, ROBOT, heard, odometry, record, ten
+from giraff_schemas.codec import DecodeError, encode
+from giraff_schemas.localization import FreeCells, MapWalls
+from giraff_schemas.topics import MAP, OPERATOR_CMD_VEL, TOPICS, topic_of
+from tests.unit.mcap.recordings import ABOUT, BEGAN_NS, ROBOT, heard, odometry, record, ten
 
 
 def test_what_was_heard_is_read_byte_for_byte_and_as_evenly(tmp_path: Path) -> None:
@@ -32,6 +33,16 @@ def test_what_was_heard_is_read_byte_for_byte_and_as_evenly(tmp_path: Path) -> N
     assert (recording.robot, recording.whole, recording.ended_by) == (ROBOT, True, "test")
     assert recording.tables() == {"robot": {"name": ROBOT}}
     assert recording.seconds == pytest.approx(0.09)
+
+
+def test_bytes_within_a_part_of_a_sample_are_read_as_they_were_heard(tmp_path: Path) -> None:
+    """A map tells where the robot can be, in bits. JSON has no bytes, so a recording keeps them as text."""
+    free = FreeCells(left=0.0, bottom=0.0, side=0.1, columns=3, rows=5, bits=b"\xa5\xfe")
+    for number, there in enumerate((free, None)):
+        here = MapWalls(instance="l", map="flat", walls=(), free=there)
+        record(path := tmp_path / f"{number}.mcap", [heard(here, BEGAN_NS, MAP)])
+        [sample] = Recording(path).samples()
+        assert (sample.payload, sample.decode()) == (encode(here), here)
 
 
 def test_the_librarys_own_reader_finds_an_index_and_a_schema(tmp_path: Path) -> None:
