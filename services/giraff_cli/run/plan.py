@@ -47,20 +47,20 @@ class PlanError(Exception):
 class Options:
     """The options of `giraff run`, as they were typed; its help says what each means."""
 
-    file: Path | None = None
-    seconds: float | None = None
-    world: Path | None = None
-    seed: int = 1
-    truth: Level = "calibrated"
-    tilt_script: Path | None = None
-    hand: Hand = "demo"
-    boards: Boards | None = None
-    summary: Path | None = None
-    picture: Path | None = None
-    web: bool = False
-    localize: bool = False
-    camera: bool = False
-    local: bool = False
+    file: Path | None
+    seconds: float | None
+    world: Path | None
+    seed: int
+    truth: Level
+    tilt_script: Path | None
+    hand: Hand
+    boards: Boards | None
+    summary: Path | None
+    picture: Path | None
+    web: bool
+    localize: bool
+    camera: bool
+    local: bool
 
 
 @dataclass(frozen=True, kw_only=True)

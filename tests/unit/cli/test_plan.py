@@ -5,6 +5,7 @@ import math
 import os
 import socket
 import sys
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
+from giraff_cli.run.commands import run
 from giraff_cli.run.plan import Options, Plan, PlanError, choose_boards, make_plan
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
@@ -43,8 +45,13 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+def typed(**options: Any) -> Options:
+    """Return the options of `giraff run`: these, and of the others what the command line has for them."""
+    return Options(**{name: each.default for name, each in signature(run).parameters.items()} | options)
+
+
 def plan(**options: Any) -> Plan:
-    return make_plan(Options(**options))
+    return make_plan(typed(**options))
 
 
 def test_the_defaults_make_a_run() -> None:

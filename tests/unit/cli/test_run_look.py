@@ -9,7 +9,6 @@ import pytest
 
 from giraff_cli.run import runner
 from giraff_cli.run.page import Page
-from giraff_cli.run.plan import Options
 from giraff_cli.run.runner import Run
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_core.kinematics.pose import Pose
@@ -18,6 +17,7 @@ from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose,
 from giraff_schemas.trouble import Trouble
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import MS, START, Network, ten_seconds, truth
+from tests.unit.cli.test_plan import typed
 from tests.unit.cli.test_shown import FRAME, SECOND, rendered
 
 NOW_NS = 10_000 * MS
@@ -37,7 +37,7 @@ class Looks:
         robot.reap.return_value = []
         robot.truth.side_effect = lambda: truth(NOW_NS, x=self.x)
         services = ("web",) * (page is not None) + ("localization",) * localize
-        plan = MagicMock(options=Options(), services=services, camera="", boards="host")
+        plan = MagicMock(options=typed(), services=services, camera="", boards="host")
         plan.robot.name = "sim-here"
         self.telemetry: RunTelemetry = ten_seconds()
         self.run = Run(plan, robot, MagicMock(), MagicMock(), hints=("drive it: giraff drive",), look="")
