@@ -78,7 +78,7 @@ WEB: Final = Service(
     ),
     optional=True,
     option="web",
-    libraries=("aiohttp", "cryptography", "segno"),
+    libraries=("aiohttp", "cryptography"),
     extra="web",
 )
 """A page, for any number of browsers; whoever drives by one of them is this operator."""
@@ -176,7 +176,7 @@ CAMERA: Final = Service(
     subscribes=(t.TICK, t.CAMERA_ON),
     optional=True,
     option="camera",
-    libraries=("numpy", "cv2"),
+    libraries=("cv2", "numpy"),
     extra="camera",
 )
 """Shows who has asked for it what a camera sees. No part of what keeps the robot from obstacles."""
@@ -188,7 +188,7 @@ VISION: Final = Service(
     subscribes=(t.ODOM, t.CAMERA_STATE, t.CAMERA, t.CAMERA_SMALL),
     optional=True,
     option="camera",
-    libraries=("numpy", "cv2"),
+    libraries=("cv2", "numpy"),
     extra="camera",
 )
 """Tells how a camera sees the robot move over the floor. It looks at the camera as long as it runs."""

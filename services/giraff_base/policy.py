@@ -2,17 +2,15 @@
 
 import math
 from collections.abc import Iterable
-from typing import Any, Final, assert_never
+from typing import Any, Final
 
 import msgspec
 
 from giraff_base.config import BaseConfig
-from giraff_base.drive import Drive, Report
-from giraff_base.drives.balancer.config import BalancerConfig
-from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_base.drives.wheels.drive import WheelsDrive
+from giraff_base.drive import Report
 from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.permission import Permission
+from giraff_base.registry import drive_of
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_schemas.camera import VisualOdometry
@@ -57,21 +55,6 @@ class Ramp:
 
 _NO_REPORT: Final = Trouble("no report from the base board yet")
 _UNMEASURED: Final = Trouble("the battery was empty and is not measured now", "connect the base board, then reset it")
-
-
-def drive_of(robot: RobotConfig, config: BaseConfig) -> Drive:
-    """Return the drive that `[base.drive]` names."""
-    # The faster wheel's, where driving and turning start at once. The ramp of base may be made gentler live.
-    _, acceleration = robot.kinematics.wheel_speeds(config.linear_acceleration, config.angular_acceleration)
-    match config.drive:
-        case WheelsConfig() as wheels:
-            return WheelsDrive(robot, wheels, acceleration)
-        case BalancerConfig() as balancer:
-            from giraff_base.drives.balancer.drive import BalancerDrive  # noqa: PLC0415  few robots balance
-
-            return BalancerDrive(robot, balancer)
-        case _ as never:
-            assert_never(never)
 
 
 class BasePolicy:

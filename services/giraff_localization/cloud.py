@@ -58,7 +58,7 @@ class Beam(NamedTuple):
 class Cloud:
     """So many particles. Shapes: poses and scales (3, n), weights (n)."""
 
-    def __init__(self, space: FreeSpace, robot: RobotConfig, poses: Floats, random: np.random.Generator) -> None:
+    def __init__(self, space: FreeSpace, robot: RobotConfig, poses: Floats, random: "np.random.Generator") -> None:
         """`poses`: x, y, yaw of each."""
         self._space, self._random = space, random
         self._track, self._wheel_noise = robot.kinematics.track_width, robot.wheel_noise

@@ -37,13 +37,13 @@ _EFFECTIVE: Final = 0.5
 class _Place:
     """One place."""
 
-    def __init__(self, pose: Pose, fit: Fit, random: np.random.Generator) -> None:
+    def __init__(self, pose: Pose, fit: Fit, random: "np.random.Generator") -> None:
         spread = _BEGINS * random.standard_normal((3, _PARTICLES))
         self.poses: Floats = (np.array(pose)[:, None] + spread).astype(np.float32)
         self.log_weights: Weights = np.zeros(_PARTICLES)
         self.pose, self.fit, self.age = pose, fit, 0.0
 
-    def settle(self, random: np.random.Generator) -> None:
+    def settle(self, random: "np.random.Generator") -> None:
         """Take the middle of the particles as the place. Draw them anew where too few of them count."""
         weights = np.exp(self.log_weights - self.log_weights.max())
         weights /= weights.sum()

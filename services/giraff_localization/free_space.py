@@ -64,7 +64,7 @@ class FreeSpace:
         column = np.minimum(np.maximum((x - self.left) * (1.0 / CELL), 0.0), self.columns - 1).astype(np.int32)
         return column, np.minimum(np.maximum((y - self.bottom) * (1.0 / CELL), 0.0), self.rows - 1).astype(np.int32)
 
-    def anywhere(self, count: int, random: np.random.Generator) -> Floats:
+    def anywhere(self, count: int, random: "np.random.Generator") -> Floats:
         """x, y, yaw of so many robots, each place and heading as likely as any other; shape (3, count)."""
         cells = self._cells[random.integers(len(self._cells), size=count)]
         places = (cells + random.random((count, 2))) * CELL

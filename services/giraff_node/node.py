@@ -24,11 +24,12 @@ from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.config.settings import Settings
-from giraff_node.network.base_reach import BaseReach, RouterLink, WrongRobotCheck
+from giraff_node.network.base_reach import BaseReach, WrongRobotCheck
 from giraff_node.network.host_addresses import AddressWatch, host_addresses, placed_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
 from giraff_node.network.link_repair import LinkRepair
 from giraff_node.network.query_client import QueryClient
+from giraff_node.network.router_link import RouterLink
 from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.network.subscription import PolledInbox, Reader
 from giraff_node.process.lifecycle import Process

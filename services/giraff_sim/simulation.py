@@ -1,4 +1,7 @@
-"""Boards and world, stepped together in simulated time: the same calls give the same bytes on every UART."""
+"""Boards and world, stepped together in simulated time: the same calls give the same bytes on every UART.
+
+A pacer holds that time to the wall's.
+"""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

@@ -2,12 +2,12 @@
 
 from typing import Final, Literal
 
-from giraff_core.latest import FRESH
 from giraff_schemas.messages import GuardState, Range
 
 ConeState = Literal["free", "near", "blocked", "doubted", "fault"]
 
 NEAR: Final = 1.0  # m; an echo from nearer is worth a look
+_COUNTS_FOR: Final = 0.5  # s; guard no longer counts on a reading that is older than 0.4 s
 
 
 class Cone:
@@ -54,4 +54,4 @@ class Cone:
         return str(self._reading.reason) or self._distrust
 
     def _stale(self, now_ns: int) -> bool:
-        return (now_ns - self._read_ns) * 1e-9 > FRESH
+        return (now_ns - self._read_ns) * 1e-9 > _COUNTS_FOR

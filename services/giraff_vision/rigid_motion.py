@@ -58,7 +58,7 @@ class Refined(NamedTuple):
 
 
 def consensus(
-    ground: Ground, floor: Array, pixels: Array, sway: Array, chance: np.random.Generator
+    ground: Ground, floor: Array, pixels: Array, sway: Array, chance: "np.random.Generator"
 ) -> Consensus | None:
     """Return the motion of two corners that most others agree with (RANSAC). None: no two make a motion.
 

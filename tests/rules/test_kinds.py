@@ -26,7 +26,7 @@ MAY_NAME_IT = re.compile(
     r"giraff_base/drives/|giraff_sim/bodies/|giraff_sim/control/|giraff_setup/(wheels|encoder)/|/wire\.py$"
 )
 
-MAY_IMPORT = r"giraff_base/(config|policy)\.py$|giraff_sim/dst/faults/robot\.py$|giraff_setup/balancer/"
+MAY_IMPORT = r"giraff_base/(config|registry)\.py$|giraff_sim/dst/faults/robot\.py$|giraff_setup/balancer/"
 """The union and the registries; faults of the stock robot; what finds the gains of one kind."""
 TAGS = "|".join(str(kind.__struct_config__.tag) for kind in KINDS)
 IMPORT_OF_A_KIND = re.compile(rf"(?:from|import) (giraff_(?:base\.drives|sim\.bodies)\.(?:{TAGS})[\w.]*)")

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from giraff_cli.options import require_service, require_tree
+from giraff_cli.options import require_extra, require_service, require_tree
 
 _REFUSED = 2  # exit code: nothing was started
 
@@ -59,6 +59,8 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     for service in SERVICES:
         if service.option and given[service.option]:
             require_service(f"run --{service.option}", service, "cli,sim")
+    if web:
+        require_extra("run --web", "segno", "cli,sim,web")  # it draws the code of an address
     from giraff_cli.run.begin import drive  # noqa: PLC0415
     from giraff_cli.run.plan import Options, PlanError, make_plan  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""The processes of a run: none outlives it, each has a log, and whatever ends early is named."""
+"""The processes of a run: none outlives it. Services have a log each, and the driver has the run's terminal."""
 
 import contextlib
 import ctypes
@@ -25,8 +25,8 @@ _FREE_BLOCKS: Final = 3  # FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE
 _BY_OTHERS: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 """Signals that somebody else sends: the process cannot have written why."""
 _HEARS_CTRL_C: Final = 0.5  # s; one that was typed is for this child, too
-_GRACE: Final = 3.0  # s
-_NAME: Final = "giraff drive"
+_DRIVER_GRACE: Final = 3.0  # s
+_DRIVER: Final = "giraff drive"
 
 
 class Driver:
@@ -46,17 +46,17 @@ class Driver:
         status = self._ended(_HEARS_CTRL_C)
         if status is None:
             self._process.terminate()
-            status = self._ended(_GRACE)
+            status = self._ended(_DRIVER_GRACE)
         if status is None:
             self._process.kill()
             self._process.wait()
         with contextlib.suppress(termios.error):  # it may be gone
             termios.tcsetattr(sys.stdin, termios.TCSANOW, self._before)
         if status is None:
-            return f"{_NAME} did not end within {_GRACE:g} s and was killed"
+            return f"{_DRIVER} did not end within {_DRIVER_GRACE:g} s and was killed"
         if status in (0, -signal.SIGINT, -signal.SIGTERM):
             return ""
-        return f"{_NAME} ended with exit code {status}; what it said is above"
+        return f"{_DRIVER} ended with exit code {status}; what it said is above"
 
     def _ended(self, within: float) -> int | None:
         with contextlib.suppress(subprocess.TimeoutExpired):

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import Connect, Robot, require_service
+from giraff_cli.options import Connect, Robot, require_extra, require_service
 
 
 def web(
@@ -43,6 +43,7 @@ def web(
     from giraff_schemas.services import WEB  # noqa: PLC0415
 
     require_service("web", WEB, "cli")
+    require_extra("web", "segno", "cli,web")  # it draws the code of an address
     from giraff_cli.web.serve import serve  # noqa: PLC0415
 
     raise typer.Exit(serve(robot, connect or (), port, as_json=as_json))

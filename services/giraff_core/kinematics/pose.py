@@ -1,4 +1,4 @@
-"""Where something is in a plane."""
+"""Place and heading in a plane, and the ellipse of a place that is not sure."""
 
 import math
 from typing import Final, NamedTuple

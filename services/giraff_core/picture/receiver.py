@@ -68,13 +68,13 @@ class PictureReceiver:
         self._opened: dict[str, float] = {}
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        """Remember a camera that is heard. As `Listener` has it."""
+        """Remember a camera that is heard: the receiver is told of all samples of a connection."""
         del topic, key, at_ns
         if isinstance(sample, CameraState):
             self.heard[sample.camera] = sample
 
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
-        """As `Listener` has it."""
+        """Nothing: a camera is known by what it says."""
 
     def ask(self, camera: str, now: float, largest: PictureSize = "full") -> Picture | None:
         """Say that somebody looks, twice a second at least; return the newest picture that was not taken yet."""

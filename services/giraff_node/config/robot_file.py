@@ -94,7 +94,7 @@ class RawSettings(NamedTuple):
         Its name and its network are as they came, and it lacks the wiring, without which base does not arm.
         """
         drive = self.tables.get("base", {}).get("drive")
-        is_unwired = isinstance(drive, dict) and drive.get("type") == "wheels" and drive.keys().isdisjoint(WIRING)
+        is_unwired = isinstance(drive, dict) and drive.keys().isdisjoint(WIRING)
         is_as_it_came = self.tables.get("network", {}).keys() <= _EXAMPLE_NETWORK
         return is_unwired and is_as_it_came and self.tables.get("robot", {}).get("name") == _EXAMPLE
 

@@ -1,4 +1,4 @@
-"""Find out whether a process hears whom it should: a hand the robot's base, a service its robot, a site its router.
+"""Find out whether a hand hears the robot's base, or only the door does.
 
 Base listens at Unix sockets alone, so it has to dial a hand on another host. It cannot where that host lets nothing in:
 a firewall, a network address translation, a container. The door is dialled by the hand, and so can always be asked.
@@ -6,7 +6,6 @@ a firewall, a network address translation, a container. The door is dialled by t
 
 import contextlib
 import threading
-from collections.abc import Callable
 from typing import Final
 
 import zenoh
@@ -17,13 +16,10 @@ from giraff_node.network.session import NobodyError, close_session, open_clients
 from giraff_node.network.tokens import Token, find_tokens, list_robots, watch_tokens
 from giraff_schemas.services import BASE, ROBOTS_OWN
 from giraff_schemas.topics import alive_key
-from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _PATIENCE: Final = 1.0  # s from the first link; base dials within some ten ms
 _ANSWERS_WITHIN: Final = 0.5  # s
 _ALONE_AFTER: Final = 5.0  # s; a robot's services start within a few
-_ROUTER_LOOK: Final = 1.0  # s between two looks at the link to the router
-_ROUTER_BACK_WITHIN: Final = 5.0  # s; a router that is started again is back sooner
 
 
 class BaseReach:
@@ -89,31 +85,3 @@ class WrongRobotCheck:
                 found |= {*list_robots(session)}
                 close_session(session)
         self._others = tuple(sorted(found - {self._robot}))
-
-
-class RouterLink:
-    """Says when there is no link to the router through which other sites hear this one.
-
-    Zenoh goes on trying, and says nothing.
-    """
-
-    def __init__(self, address: str, site: str, linked: Callable[[], bool]) -> None:
-        self._problem = Trouble(
-            f"no link to the router at {address}: is it up and reached from here, are both hosts' certificates of one "
-            f"CA and the router's for that address, and has [router] sites there {site!r}?"
-        )
-        self._linked = linked
-        self._seen: float | None = None
-        self._next = 0.0
-        self._missed = False
-
-    def problem(self, now: float) -> Trouble:
-        """What is wrong, with the likely causes. `now`: monotonic, s."""
-        if self._seen is None:
-            self._seen = now
-        if now >= self._next:
-            self._next = now + _ROUTER_LOOK
-            if self._linked():
-                self._seen = now
-            self._missed = now - self._seen > _ROUTER_BACK_WITHIN
-        return self._problem if self._missed else NO_TROUBLE

@@ -1,1 +1,1 @@
-"""The process: its loop, health, logs, clock, and the files that it keeps over restarts."""
+"""The process: its loop, health, logs, and the files that it keeps over restarts."""

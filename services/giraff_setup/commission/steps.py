@@ -116,7 +116,7 @@ def _ports(tables: Tables) -> StepResult:
 
 def _wiring(tables: Tables) -> StepResult:
     if page := _by_hand(tables):
-        return StepResult("look", "the wiring of such a robot is written by hand", page)
+        return StepResult("look", "this kind of robot: its wiring is written by hand", page)
     missing = [name for name in WIRING if _drive(tables).get(name) is None]
     if missing:
         return StepResult("left", f"not known: {', '.join(missing)}; base does not arm")

@@ -26,7 +26,7 @@ LEVELS: Final = 15
 """Each is softer than the one before by half an octave; the last one is even."""
 
 
-def _noise(chance: np.random.Generator, sigma: float) -> Grey:
+def _noise(chance: "np.random.Generator", sigma: float) -> Grey:
     """Return smooth noise of mean 0 and deviation 1 that wraps around; `sigma`: texels."""
     return _scaled(_softened(chance.standard_normal((SIZE, SIZE)), sigma))
 
@@ -61,7 +61,7 @@ def _levels(name: Texture, seed: int) -> NDArray[np.uint8]:
     return levels.reshape(-1)
 
 
-def _grey(name: Texture, chance: np.random.Generator) -> Grey:
+def _grey(name: Texture, chance: "np.random.Generator") -> Grey:
     """Return one material; 128 is its usual brightness."""
     x = np.arange(SIZE)[None, :]
     match name:
@@ -76,7 +76,7 @@ def _grey(name: Texture, chance: np.random.Generator) -> Grey:
             return _floor(name, chance)
 
 
-def _floor(name: Floor, chance: np.random.Generator) -> Grey:
+def _floor(name: Floor, chance: "np.random.Generator") -> Grey:
     y, x = np.mgrid[0:SIZE, 0:SIZE]
     match name:
         case "brick":  # 0.256 by 0.128 m, each row half a brick on
@@ -104,7 +104,7 @@ def _floor(name: Floor, chance: np.random.Generator) -> Grey:
             return np.full((SIZE, SIZE), 128.0)
 
 
-def _stones(chance: np.random.Generator, cell: int = 8) -> Grey:
+def _stones(chance: "np.random.Generator", cell: int = 8) -> Grey:
     """Return pebbles of about 3 cm: one in each square cell, out of its middle."""
     cells = SIZE // cell
     shift_x, shift_y = chance.uniform(0.0, cell, (2, cells, cells))

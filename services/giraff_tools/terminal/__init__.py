@@ -1,1 +1,1 @@
-"""What is printed: screen, layout, tables, JSON, Ctrl-C. Knows no robot."""
+"""Screen, tables, JSON, questions and Ctrl-C of a terminal. It knows no robot."""

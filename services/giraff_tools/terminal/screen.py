@@ -15,6 +15,8 @@ from giraff_telemetry.console import CleanConsole
 from giraff_tools.terminal.output import discard_stdout, is_drawn_on
 
 _PICTURE_COLUMNS: Final = 100
+_PIECE: Final = select.PIPE_BUF // 4
+"""Characters that a pipe takes without delay, of four bytes at most, where it takes any."""
 _WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
 
 
@@ -59,18 +61,26 @@ class Terminal:
 
 
 class LineScreen:
-    """A line in each second."""
+    """A line in each second. Its end is dropped where the reader pauses until this closes."""
 
     def __init__(self) -> None:
         self._next = 0.0
+        self._rest = ""
+        """The end of the last line, for which there was no room."""
 
     def show(self, view: View) -> None:
-        if view.elapsed >= self._next and _takes_more():
+        if not self._rest and view.elapsed >= self._next and _takes_more():
             self._next = int(view.elapsed) + 1.0
-            print(printable(view.line()), flush=True)
+            self._rest = printable(view.line()) + "\n"
+        self._print()
 
     def close(self) -> None:
-        """Nothing is left to restore."""
+        self._print()
+
+    def _print(self) -> None:
+        while self._rest and _takes_more():
+            piece, self._rest = self._rest[:_PIECE], self._rest[_PIECE:]
+            print(piece, end="", flush=True)
 
 
 class NullScreen:

@@ -24,9 +24,9 @@ from giraff_web.pages import Closed, Event, Opened, StopAsked
 from giraff_web.server.certificates import Certificate
 from giraff_web.server.connection import ENDED, LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
 from giraff_web.server.connection_limiter import ConnectionLimiter, in_address
-from giraff_web.server.crowd import StopAnswers
 from giraff_web.server.host import Answer, Ask, HostSocket, serve
 from giraff_web.server.requests import Requests
+from giraff_web.server.stop_answers import StopAnswers
 from giraff_web.sessions import Sessions
 
 _LOOK: Final = 0.5  # s between looks at what is silent or over

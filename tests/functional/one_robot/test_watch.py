@@ -16,8 +16,8 @@ from tests.support.process_robot import BRIEF, PATIENCE, SERVICES, ProcessRobot
 from tests.support.terminals import Screen, screen
 from tests.support.waiting import wait
 
-PIPE = 8192
-"""Bytes. In a smaller pipe a write would wait amid an object, of about 4 kB, and only its reader could end that."""
+PIPE = 4096
+"""Bytes. An object is about as long, and may be longer."""
 
 
 def wait_for(shown: Screen, text: str, act: Callable[[], object]) -> None:
@@ -111,7 +111,7 @@ def test_a_full_disk_is_named_and_a_paused_reader_holds_nothing_up(robot: Proces
         assert process.wait(PATIENCE) == 1
         assert process.stderr is not None
         assert process.stderr.read() == "giraff: cannot write to standard output: No space left on device\n"
-    with watching(robot, "--json", pipesize=PIPE) as process:  # takes an object or two
+    with watching(robot, "--json", pipesize=PIPE) as process:
         line = line_that(process, lambda line: '"base"' in line)
         assert process.stdout is not None
         pipe = process.stdout.fileno()

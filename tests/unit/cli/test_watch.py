@@ -1,10 +1,13 @@
 """`giraff watch` of a robot that only says things. Of a real one: tests/functional/one_robot/test_watch.py."""
 
 import errno
+import fcntl
 import os
+import select
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Self, cast
 
 import msgspec
@@ -186,6 +189,22 @@ def test_who_does_not_read_ends_it(
     monkeypatch.setattr(output, "discard_stdout", lambda: None)
     with network.talking("otto"):
         assert watched(capfd, "otto", 5.0) == (code, [], told)
+
+
+def test_a_line_that_is_longer_than_a_pipe_waits_for_its_reader_and_holds_nothing_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    read, write = os.pipe()
+    fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, 4096)
+    with os.fdopen(read, "rb", buffering=0) as reader, os.fdopen(write, "w", encoding="utf-8") as pipe:
+        monkeypatch.setattr("sys.stdout", pipe)
+        screen, heard = LineScreen(), b""
+        for elapsed, letter in ((0.0, "a"), (1.0, "b")):  # a second later nobody has read the first
+            screen.show(cast(Any, SimpleNamespace(elapsed=elapsed, line=lambda said=letter * 6000: said)))
+        while select.select([reader], [], [], 0.0)[0]:
+            heard += reader.read(4096) or b""
+            screen.close()
+    assert heard == b"a" * 6000 + b"\n"
 
 
 def test_the_roster_follows_robots_that_come_and_go(network: Network) -> None:

@@ -1,6 +1,6 @@
 """A service without its router says so, with what may be the matter."""
 
-from giraff_node.network.base_reach import RouterLink
+from giraff_node.network.router_link import RouterLink
 
 
 class Router:

@@ -155,7 +155,7 @@ def test_a_covariance_that_is_none_can_be_drawn(covariance: tuple[float, float, 
         (reading("front_left", 1.5), False, 0.1, "free"),
         (reading("front_left", 0.6), False, 0.1, "near"),
         (reading("front_left", 0.6), True, 0.1, "blocked"),
-        (reading("front_left", None, "clear"), False, 1.1, "fault"),
+        (reading("front_left", None, "clear"), False, 0.6, "fault"),
         (reading("front_left", None, "fault", "no echo line"), True, 0.1, "fault"),
     ],
 )
@@ -189,7 +189,7 @@ def test_silence_that_the_guard_does_not_believe_is_a_doubt() -> None:
     cone_.read(reading("rear", None, "clear"), SECOND)
     cone_.judge(judged("has not proved lately that it hears"))
     assert (cone_.state(SECOND), cone_.reason(SECOND)) == ("doubted", "has not proved lately that it hears")
-    assert cone_.state(3 * SECOND) == "fault"
+    assert cone_.state(2 * SECOND) == "fault"
 
 
 def test_a_cone_is_as_wide_as_its_sensor_hears_and_reaches_to_the_echo() -> None:

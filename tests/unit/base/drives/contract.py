@@ -11,7 +11,7 @@ import pytest
 
 from giraff_base.config import DriveConfig
 from giraff_base.drive import Answer, Drive, Report
-from giraff_base.policy import drive_of
+from giraff_base.registry import drive_of
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.trouble import NO_TROUBLE
