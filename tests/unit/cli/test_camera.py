@@ -3,9 +3,11 @@
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import pytest
 
+from giraff_cli.camera import look
 from giraff_cli.camera.look import Cameras, choose_camera, report_of, rows_of
 from giraff_cli.camera.window import CameraWindow, show
 from giraff_cli.record.recorder import RecordedPictures, wanted_topics
@@ -19,7 +21,7 @@ from giraff_schemas.messages import Tick
 from giraff_schemas.topics import CAMERA_STATE, TICK
 from giraff_schemas.trouble import Trouble
 from giraff_tools.terminal.signals import StopSignal
-from tests.support.picture_source import Source
+from tests.support.picture_source import Source, Sources
 from tests.unit.cli.samples import at, camera
 from tests.unit.cli.typed import Giraff
 from tests.unit.mcap.recordings import ROBOT, record
@@ -113,6 +115,24 @@ def test_a_window_shows_what_comes_and_tells_why_nothing_does(
     assert window.has_seen
     assert drawn == [tick, picture(0), tick, picture(1), tick]
     assert capsys.readouterr().err == "giraff: the camera has started again; ask for its picture again\n"
+
+
+@pytest.mark.parametrize("save", [None, Path("rear.jpeg")], ids=["window", "save"])
+def test_of_several_cameras_the_one_that_was_named_is_asked(save: Path | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    def dispatch(listener: Any) -> None:
+        for name in ("front", "rear", "top"):
+            listener.on_sample(CAMERA_STATE, "", Source(name).state, 0)
+
+    sources, window = Sources(), MagicMock()
+    window.return_value.__enter__.return_value.is_open.side_effect = [True, False, False]
+    for name, fake in (("Window", window), ("Show", MagicMock()), ("require_screen", lambda: None)):
+        monkeypatch.setattr(f"giraff_cli.camera.window.{name}", fake)
+    connection = SimpleNamespace(robot=ROBOT, subscribe=lambda _: None, dispatch=dispatch)
+    monkeypatch.setattr(look, "_MEET", 0.0)
+    monkeypatch.setattr(look, "pictures_for", lambda *_: PictureReceiver(sources))
+    monkeypatch.setattr(look, "run_with_robot", lambda _robot, _connect, act: act(connection))
+    assert look.view_camera("rear", None, (), save, 0.05, as_json=False) == 1  # nothing comes
+    assert [(each.camera, each.closed) for each in sources.opened] == [("rear", True)]
 
 
 def test_without_a_screen_no_camera_is_asked(
