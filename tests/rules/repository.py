@@ -1,5 +1,6 @@
 """The repository as the rules see it: its files, its packages, its declared dependencies."""
 
+import ast
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -30,6 +31,16 @@ def sources(*suffixes: str, under: tuple[str, ...] = ()) -> list[Path]:
 
 def name(path: Path) -> str:
     return str(path.relative_to(ROOT))
+
+
+def imported_by(source: str, *words: str) -> set[str]:
+    """Return what a module imports, anywhere in it: `import a.b` and `from a import b` are `a.b`.
+
+    `words`: a source that has none of these is not parsed, since that takes time. None: each is.
+    """
+    tree = ast.parse(source if not words or any(word in source for word in words) else "")
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    return {f"{getattr(node, 'module', '')}.{alias.name}".lstrip(".") for node in nodes for alias in node.names}
 
 
 def packages() -> list[str]:

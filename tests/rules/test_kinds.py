@@ -1,6 +1,5 @@
 """A kind of drive is one word: for its folders, its tag in the robot file, and the test of its contract."""
 
-import ast
 import re
 from pathlib import Path
 from typing import get_type_hints
@@ -13,7 +12,7 @@ from giraff_core.bounds import bounds_of
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning, live_fields
 from giraff_node.config.robot_file import load
-from tests.rules.repository import ROOT, name, sources
+from tests.rules.repository import ROOT, imported_by, name, sources
 
 DRIVES = ROOT / "services" / "giraff_base" / "drives"
 BODIES = ROOT / "services" / "giraff_sim" / "bodies"
@@ -27,9 +26,15 @@ MAY_NAME_IT = re.compile(
 )
 
 MAY_IMPORT = r"giraff_base/(config|registry)\.py$|giraff_sim/dst/faults/robot\.py$|giraff_setup/balancer/"
-"""The union and the registries; faults of the stock robot; what finds the gains of one kind."""
+"""The union, `giraff_base/config.py`; `giraff_base/registry.py`, which makes the drive; faults of the stock robot,
+`giraff_sim/dst/faults/robot.py`; and what sets one kind up, `giraff_setup/balancer`.
+
+MAY_NAME_IT has the others: each kind itself and `giraff_sim/bodies/registry.py`, which makes the body;
+`giraff_sim/control`, which sets the wheels of a simulated robot; and `giraff_setup/wheels` and `encoder`.
+"""
 TAGS = "|".join(str(kind.__struct_config__.tag) for kind in KINDS)
-IMPORT_OF_A_KIND = re.compile(rf"(?:from|import) (giraff_(?:base\.drives|sim\.bodies)\.(?:{TAGS})[\w.]*)")
+CONFIGS = [kind.__name__ for kind in KINDS]
+OF_A_KIND = re.compile(rf"giraff_(base\.drives|sim\.bodies)\.({TAGS})\b|.*\.({'|'.join(CONFIGS)})$")
 
 
 def folders(parent: Path) -> set[str]:
@@ -61,9 +66,8 @@ def test_each_robot_file_of_the_tree_is_sound(path: Path) -> None:
 
 def named(path: Path) -> frozenset[str]:
     """Return what of one firmware a module names."""
-    source = path.read_text(encoding="utf-8")
-    tree = ast.parse(source if any(word in source for word in ONE_FIRMWARE) else "")
-    return ONE_FIRMWARE & {node.name for node in ast.walk(tree) if isinstance(node, ast.alias)}
+    imported = imported_by(path.read_text(encoding="utf-8"), *ONE_FIRMWARE)
+    return ONE_FIRMWARE & {each.rpartition(".")[2] for each in imported}
 
 
 def test_nobody_outside_names_the_wire_of_one_firmware() -> None:
@@ -71,17 +75,26 @@ def test_nobody_outside_names_the_wire_of_one_firmware() -> None:
     assert {name(path): named(path) for path in outside if named(path)} == {}
 
 
+def of_a_kind(path: Path) -> set[str]:
+    """Return what a module imports from the folders of a kind, and the configuration of one by whatever way."""
+    imported = imported_by(path.read_text(encoding="utf-8"), "drives", "bodies", *CONFIGS)
+    return set(filter(OF_A_KIND.match, imported))
+
+
 def test_nobody_else_imports_from_the_folders_of_a_kind() -> None:
-    """Everybody else asks the drive, its configuration or the body. CONTRIBUTING.md names the files of MAY_IMPORT."""
-    found = {
-        f"{name(path)} imports {module[1]}"
-        for path in sources(".py", under=("schemas", "services"))
-        if not re.search(rf"{MAY_NAME_IT.pattern}|{MAY_IMPORT}", name(path))
-        for module in IMPORT_OF_A_KIND.finditer(path.read_text(encoding="utf-8"))
-    }
-    assert found == set()
+    """Everybody else asks the drive, its configuration or the body."""
+    may = re.compile(rf"{MAY_NAME_IT.pattern}|{MAY_IMPORT}")
+    others = [path for path in sources(".py", under=("schemas", "services")) if not may.search(name(path))]
+    assert {name(path): found for path in others if (found := of_a_kind(path))} == {}
 
 
 def test_a_planted_import_shows(tmp_path: Path) -> None:
     (path := tmp_path / "policy.py").write_text("from giraff_schemas.wire import Frame, SpeedFrame as asked")
     assert named(path) == {"SpeedFrame"}
+    path.write_text(
+        "from giraff_base.drives import balancer, dialogue\n"
+        "from giraff_sim.bodies import balancer as body\n"
+        "from giraff_base.config import KINDS, BalancerConfig\n"
+    )
+    planted = {"giraff_base.drives.balancer", "giraff_sim.bodies.balancer", "giraff_base.config.BalancerConfig"}
+    assert of_a_kind(path) == planted
