@@ -1,6 +1,7 @@
 """Whatever else names the services agrees with their table: sources, deployment, robot file, simulation."""
 
 import re
+import sys
 import tomllib
 from collections import Counter
 from typing import Any
@@ -12,6 +13,7 @@ from giraff_base.drives.balancer.drive import BalancerDrive
 from giraff_keyboard.picture import DriveView
 from giraff_node.config import typos
 from giraff_node.config.robot_file import load
+from giraff_node.process import libraries
 from giraff_node.start import build
 from giraff_schemas import topics
 from giraff_schemas.boards import BOARDS
@@ -31,7 +33,7 @@ from giraff_schemas.services import (
 from giraff_schemas.trouble import Trouble
 from giraff_sim.dst.faults import machine
 from giraff_sim.settings import Services, Settings
-from tests.rules.repository import ROOT, packages, sources
+from tests.rules.repository import ROOT, imported_by, packages, pyproject, sources
 from tests.support.robots import FITTED
 
 IN_PACKAGES = [service for service in SERVICES if service.entry]
@@ -170,6 +172,21 @@ def test_so_does_one_with_a_loop_of_its_own(service: Service) -> None:
     for method, declared in (("publisher", service.publishes), ("inbox", service.subscribes)):
         names = set(re.findall(rf"node\.{method}\((\w+)", main))
         assert {getattr(topics, name).key for name in names} == {topic.key for topic in declared}
+
+
+@pytest.mark.parametrize("service", [each for each in SERVICES if each.libraries], ids=lambda each: each.name)
+def test_its_package_imports_the_libraries_that_its_extra_brings(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    modules = (ROOT / "services" / service.package).rglob("*.py")
+    imported = {each.partition(".")[0] for path in modules for each in imported_by(path.read_text())}
+    everywhere = {"msgspec", "zenoh", *packages(), *sys.stdlib_module_names}
+    assert set(service.libraries) == imported - everywhere
+    brought = pyproject()["project"]["optional-dependencies"][service.extra]
+    for library in service.libraries:
+        monkeypatch.setattr(libraries, "find_spec", lambda name, missing=library: None if name == missing else name)
+        distribution = libraries.missing_library(service).split()[2]
+        assert distribution in {re.split(r"[^\w-]", each)[0] for each in brought}
 
 
 def test_a_script_hears_what_it_can_read_and_what_its_policy_takes() -> None:
