@@ -77,7 +77,7 @@ class Drive(Protocol):
 
     @property
     def arming_block(self) -> Trouble:
-        """Why nobody can arm the robot now: a person must put it right first. NO_TROUBLE: nothing does."""
+        """Return why nobody can arm the robot until a person puts something right. NO_TROUBLE: it can be armed."""
         ...
 
     @property
@@ -92,7 +92,7 @@ class Drive(Protocol):
 
     @property
     def warning(self) -> Trouble:
-        """What a person should know of the wheels. It stops nothing. NO_TROUBLE: nothing."""
+        """Return a warning about the wheels, which stops nothing. NO_TROUBLE: there is none."""
         ...
 
     def state(self) -> BoardState:

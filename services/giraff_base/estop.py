@@ -60,7 +60,7 @@ class EStopControl:
         return not self.latch.engaged or (latched.off and self._can_power_off and not self.latch.off)
 
     def refusal(self, reset: EStopReset, now: RobotTime) -> Trouble:
-        """Why this reset clears nothing. NO_TROUBLE: it may, or this very latch is cleared already."""
+        """Return why this reset clears nothing. NO_TROUBLE: it may clear it, or the latch is cleared already."""
         latch = self.latch
         if reset.id != latch.id:
             other = f"latch {reset.id} is not the one engaged, which is"

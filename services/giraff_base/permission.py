@@ -1,4 +1,4 @@
-"""What may be driven now: the command in charge, as far as nothing forbids it. Else why not, the first cause first."""
+"""Decides what may be driven now: the command in charge, where nothing forbids it, else the first cause why not."""
 
 from typing import Final, NamedTuple
 
@@ -25,7 +25,7 @@ _NO_HOLDER: Final = Trouble("nobody holds the lease", action="ask")
 
 
 class Ages(NamedTuple):
-    """How old everything is that a command stands on, s; infinite where nothing is proven."""
+    """Ages of the ticks that a command relies on, s. Infinite: nothing is proven."""
 
     operator: float
     guard: float
@@ -49,7 +49,7 @@ class Ages(NamedTuple):
 
 
 def ages_of(command: GuardedCommand, now: RobotTime) -> Ages:
-    """Of the operator's, the guard's and the range's tick."""
+    """Return the ages of the ticks of operator, guard and range."""
     return Ages(
         operator=age(command.operator_tick, now),
         guard=age(command.guard_tick, now),
@@ -58,7 +58,7 @@ def ages_of(command: GuardedCommand, now: RobotTime) -> Ages:
 
 
 class Permission:
-    """Whose command counts, whether the robot is armed, and what stands against it."""
+    """Tells which command counts, whether the robot is armed, and what forbids motion."""
 
     def __init__(
         self,
@@ -114,7 +114,7 @@ class Permission:
         return True
 
     def wanted(self, now: RobotTime) -> tuple[float, float, Trouble]:
-        """The twist that may be driven now, and why it is less than the command."""
+        """Return the twist that may be driven now, and why it is less than the command."""
         self._watch(now)
         command = self._command
         if command is None:
@@ -139,7 +139,7 @@ class Permission:
         return command.free_side
 
     def _forbid(self, now: RobotTime) -> Trouble:
-        """Why nothing may move, whatever is commanded, and disarm if so."""
+        """Return why nothing may move, whatever is commanded, and disarm the robot then."""
         clock_went_back = now.robot_ns < self._clock_trusted_ns
         forbidden = (
             self._estop.stops
@@ -154,7 +154,7 @@ class Permission:
         return forbidden
 
     def _unfounded(self, command: GuardedCommand, ages: Ages) -> Trouble:
-        """Why the command in charge moves nothing: it is stale, of a hand that was lost, or nobody's."""
+        """Return why the command in charge moves nothing: it is stale, its hand was lost, or nobody gave it."""
         told = command.reason
         if ages.guard > self._live.config.guard_budget:
             return self._refused or _NO_GUARD
