@@ -30,8 +30,8 @@ class Latest(Generic[SampleT]):
 
     @property
     def fresh(self) -> bool:
-        """Whether it speaks of now."""
-        return self.age <= FRESH
+        """Return whether it still says something of now."""
+        return is_fresh(_TOPICS[type(self.sample)], self.age)
 
 
 class LatestSamples:

@@ -6,8 +6,8 @@ import msgspec
 import pytest
 
 from giraff_client.reading import blockage, has_heard_each_sensor, ranges_of, require_finite
-from giraff_core.latest import is_fresh
-from giraff_schemas.messages import Direction, GuardState, Sample
+from giraff_core.latest import LatestSamples, is_fresh
+from giraff_schemas.messages import Battery, Direction, GuardState, Sample
 from giraff_schemas.topics import BATTERY, ESTOP, GUARD, ODOM
 from tests.unit.cli import samples
 
@@ -57,6 +57,9 @@ def test_one_lost_sample_makes_nothing_silent() -> None:
         assert is_fresh(topic, 2 / topic.rate_hz)
         assert not is_fresh(topic, 1.6)
     assert not is_fresh(GUARD, 1.1)
+    latest = LatestSamples()  # whatever shows a robot goes by the same
+    latest.add(Battery(voltage=24.0), 0.0)
+    assert [each.fresh for at_ns in (1.4e9, 1.6e9) for each in latest.all(BATTERY, round(at_ns))] == [True, False]
 
 
 def blocked(*directions: Direction) -> GuardState:
