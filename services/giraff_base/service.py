@@ -9,6 +9,7 @@ from giraff_core.estop.latch import LATCH_FILE, LatchSaver, load_latch
 from giraff_core.io import IO
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Camera
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, VISUAL_ODOM
@@ -35,7 +36,7 @@ class Base:
         self.link = io.board(config.port, config.drive.board_type)
         self._opened = 0
         self._commands = io.inbox(CMD_VEL)
-        self._seen = io.inbox(VISUAL_ODOM, wakes=False) if robot.cameras else None
+        self._seen = io.inbox(VISUAL_ODOM, wakes=False) if robot.of(Camera) else None
         self._engages, self._resets = io.requests(ESTOP_ENGAGE), io.requests(ESTOP_RESET)
         self._ticks = io.publisher(TICK)
         self._samples = {topic.schema: io.publisher(topic) for topic in self._policy.topics}

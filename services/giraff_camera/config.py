@@ -6,7 +6,7 @@ import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Camera as CameraModel
+from giraff_core.senses import Camera as CameraModel
 from giraff_core.tuning import Tuning
 
 

@@ -8,7 +8,7 @@ import msgspec
 
 from giraff_client.errors import BlockedError
 from giraff_core.latest import is_fresh
-from giraff_core.sensors import ULTRASONIC
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardState, Range, Sample
@@ -95,7 +95,7 @@ def require_finite(call: str, units: str, *values: object) -> None:
 
 def _sensors(heard: Heard) -> list[str]:
     state, _ = heard.get(GUARD.key, (None, 0.0))
-    told = state.of_type(ULTRASONIC) if isinstance(state, GuardState) else []
+    told = state.of_type(Ultrasonic.type_name()) if isinstance(state, GuardState) else []
     return sorted({*told, *(key.removeprefix(_PREFIX) for key in heard if key.startswith(_PREFIX))})
 
 

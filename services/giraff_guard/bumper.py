@@ -7,7 +7,7 @@ from giraff_core.freshness import age
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Bumper
+from giraff_core.senses import Bumper
 from giraff_guard.config import GuardConfig
 from giraff_guard.limits import OTHER, SIGN, DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
@@ -27,7 +27,7 @@ class BumperSource:
 
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
         self._limits = Limits(live, robot)
-        self.names = {name: _Switch(name, bumper) for name, bumper in robot.bumpers.items()}
+        self.names = {name: _Switch(name, bumper) for name, bumper in robot.of(Bumper).items()}
 
     def on_sample(self, sample: Bump, motion: RecentTravel, now: RobotTime) -> None:
         """What one says."""

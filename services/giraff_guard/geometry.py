@@ -3,7 +3,7 @@
 import math
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.robot import SensorPose
+from giraff_core.senses import Ultrasonic
 
 Point = tuple[float, float]
 """x, y in m."""
@@ -12,7 +12,7 @@ Point = tuple[float, float]
 class View:
     """What a sensor looks at, with the robot at `place`."""
 
-    def __init__(self, pose: SensorPose, place: Pose) -> None:
+    def __init__(self, pose: Ultrasonic, place: Pose) -> None:
         cos, sin = math.cos(place.yaw), math.sin(place.yaw)
         self._x = place.x + cos * pose.x - sin * pose.y
         self._y = place.y + sin * pose.x + cos * pose.y

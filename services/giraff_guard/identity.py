@@ -6,9 +6,9 @@ import msgspec
 
 from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Sensed
 from giraff_guard.config import GuardConfig
-from giraff_schemas.bumper import Bump
-from giraff_schemas.messages import Attitude, Range, RobotTime, Tick, Wheels
+from giraff_schemas.messages import Attitude, RobotTime, Tick, Wheels
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _NOT_ITS_CLOCK: Final = Trouble(
@@ -72,7 +72,7 @@ class Identity:
     def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
         self._silence = config.publisher_timeout
         self._base = BoundPublisher("base", config.publisher_timeout)
-        self._rangers = {
+        self._sensors = {
             name: BoundPublisher(f"ranger for {name}", config.publisher_timeout) for name in robot.sensor_types
         }
         self._tick: Tick | None = None
@@ -105,9 +105,9 @@ class Identity:
             self._tick = tick
         return False
 
-    def admits_sensed(self, reading: Range | Bump, robot_ns: int) -> bool:
+    def admits_sensed(self, reading: Sensed, robot_ns: int) -> bool:
         """Whether a reading counts."""
-        bound = self._rangers.get(reading.sensor)
+        bound = self._sensors.get(reading.sensor)
         if bound is None:
             return False
         if not self._fresh(reading.tick, self.now(robot_ns)):
@@ -127,7 +127,7 @@ class Identity:
 
     def fault(self, robot_ns: int) -> Trouble:
         """Two of what there may be one of, or one replaced: the robot must be armed anew."""
-        found = [fault for bound in (self._base, *self._rangers.values()) if (fault := bound.fault(robot_ns))]
+        found = [fault for bound in (self._base, *self._sensors.values()) if (fault := bound.fault(robot_ns))]
         *others, last = found or [NO_TROUBLE]
         return msgspec.structs.replace(last, what="; ".join([*map(str, others), last.what]))
 
@@ -142,7 +142,7 @@ class Identity:
     def sensor_faults(self, robot_ns: int) -> dict[str, Trouble]:
         """By sensor: why its readings do not count now, although they come."""
         faults = {}
-        for name, bound in self._rangers.items():
+        for name, bound in self._sensors.items():
             if fault := bound.fault(robot_ns):
                 faults[name] = fault
             elif bound.silent(robot_ns) and name in self._unproven and self._lately(self._unproven[name], robot_ns):

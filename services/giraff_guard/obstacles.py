@@ -8,10 +8,11 @@ import msgspec
 from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Sensed
 from giraff_guard.config import GuardConfig
 from giraff_guard.limits import DriveDirection
 from giraff_guard.motion import RecentTravel
-from giraff_guard.registry import Sensed, sources_of
+from giraff_guard.registry import sources_of
 from giraff_guard.source import Source
 from giraff_schemas.messages import Attitude, DirectionLimit, RobotTime, Side, Wheels
 from giraff_schemas.trouble import NO_TROUBLE, Trouble

@@ -4,13 +4,12 @@ from typing import Final
 
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import SENSED
+from giraff_core.senses import SENSED, Sensed
 from giraff_guard.config import GuardConfig
 from giraff_guard.flood import FloodWatch
 from giraff_guard.identity import Identity
 from giraff_guard.lease_holder import LeaseHolder
 from giraff_guard.obstacles import Obstacles
-from giraff_guard.registry import Sensed
 from giraff_schemas.messages import (
     Attitude,
     DriveCommand,
@@ -26,7 +25,7 @@ from giraff_schemas.messages import (
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 HEARD: Final = ("wheels", "attitude", "command")
-"""Order of the numbers in `GuardedCommand.heard`. Those of the sensors follow, by table and name."""
+"""Order of the numbers in `GuardedCommand.heard`. Those of the sensors follow, by type and name."""
 _PLACES: Final[dict[type[Sample], str]] = {Wheels: "wheels", Attitude: "attitude", DriveCommand: "command"}
 
 
@@ -157,12 +156,11 @@ class GuardPolicy:
 
 def numbers_unheard(robot: RobotConfig) -> dict[str, int]:
     """Return the numbers of `GuardedCommand.heard` of a guard that has heard nothing."""
-    sensors = (name for table in SENSED for name in sorted(getattr(robot, table)))
+    sensors = (name for sense in SENSED for name in sorted(robot.of(sense)))
     return dict.fromkeys((*HEARD, *(f"sensor {name}" for name in sensors)), -1)
 
 
 def number_place(sample: Sample) -> str:
     """Return the name that its number has among them. Commands count where they are the lease holder's."""
-    if isinstance(sample, Sensed):
-        return f"sensor {sample.sensor}"
-    return _PLACES.get(type(sample), "")
+    sensor = getattr(sample, "sensor", "")
+    return f"sensor {sensor}" if sensor else _PLACES.get(type(sample), "")

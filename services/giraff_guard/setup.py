@@ -4,6 +4,7 @@ import math
 
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.limits import SIGN, Limits
 from giraff_guard.ultrasonic.direction import UltrasonicDirection
@@ -18,8 +19,8 @@ def distances(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, ca
     """
     live = Live(guard)
     limits = Limits(live, robot)
-    sensors = {each: Sensor(each, pose, live, robot.model(each)) for each, pose in robot.sensors.items()}
-    sensor, pose = sensors[name], robot.sensors[name]
+    sensors = {each: Sensor(each, pose, live) for each, pose in robot.of(Ultrasonic).items()}
+    sensor, pose = sensors[name], sensors[name].pose
     distance = echo * pose.scale
     remembered = min(distance, max(guard.memory_range, guard.silent_range))
     judged = [sensor.offset + distance - came * abs(math.cos(pose.yaw))]

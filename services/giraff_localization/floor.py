@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import HC_SR04
+from giraff_core.senses import HC_SR04, Ultrasonic
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.free_space import FreeSpace
 from giraff_localization.range_table import CLEAR, SLANTED, SOLID, Cone, RangeTable
@@ -93,8 +93,8 @@ class Floor:
 def _cone(config: LocalizationConfig, robot: RobotConfig) -> Cone:
     """What is expected of every sensor: there is one table for all. Raises MapError where that cannot be."""
     cones = {
-        Cone(config.reach or model.reach, config.half_cone or model.half_cone, config.incidence or model.incidence)
-        for model in ([robot.model(sensor) for sensor in robot.sensors] or [HC_SR04])
+        Cone(config.reach or each.reach, config.half_cone or each.half_cone, config.incidence or each.incidence)
+        for each in (robot.of(Ultrasonic).values() or [HC_SR04])
     }
     if len(cones) > 1:
         raise MapError(

@@ -14,6 +14,7 @@ from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.dead_reckoning import wrapped
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.filter import Filter, GivenPose
 from giraff_localization.floor import Floor
@@ -213,7 +214,7 @@ class LocalizationPolicy:
         self._searches += 1
         self._filter = Filter(floor, self._config, self._robot, self._seed + self._searches, told)
         self._updating = None
-        self._readings = Readings(self._robot.sensors, floor.reach, floor.table.bin)
+        self._readings = Readings(self._robot.of(Ultrasonic), floor.reach, floor.table.bin)
         self._track.pop_stride()
         begun = self._filter.begun
         self._track_in_map, self._covariance = _origin_in(begun.pose, self._track.pose), begun.covariance

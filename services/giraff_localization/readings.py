@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.robot import SensorPose
+from giraff_core.senses import Ultrasonic
 from giraff_localization.cloud import Beam
 from giraff_localization.range_table import CLEAR
 from giraff_localization.track import Track
@@ -26,7 +26,7 @@ _WAITING: Final = 100
 class Readings:
     """Of all sensors that the robot file names."""
 
-    def __init__(self, sensors: Mapping[str, SensorPose], reach: float, bin_size: float) -> None:
+    def __init__(self, sensors: Mapping[str, Ultrasonic], reach: float, bin_size: float) -> None:
         """`reach`, `bin_size`: m."""
         self._mounts = {name: Pose(mount.x, mount.y, mount.yaw) for name, mount in sensors.items()}
         self._reach, self._bin = reach, bin_size

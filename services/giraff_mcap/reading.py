@@ -28,7 +28,7 @@ from typing import IO, Any, Final, get_args
 import msgspec
 from mcap.records import Channel, Message
 
-from giraff_core.sensors import by_type
+from giraff_core.senses import typed
 from giraff_mcap.layout import DAMAGE, MAGIC, look_through, read_part, was_closed
 from giraff_mcap.raw_sample import Count, LossCounter, start_of
 from giraff_mcap.unread import Unread, UnreadParts
@@ -258,7 +258,7 @@ class Recording:
         try:
             tables = msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])
             if "robot" in tables:
-                tables["robot"] = by_type(tables["robot"])
+                tables["robot"] = typed(tables["robot"])
             for service, params in self.described.items():
                 put_params(tables, service, params)
         except (msgspec.MsgspecError, TypeError, ValueError) as error:

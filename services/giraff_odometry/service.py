@@ -6,6 +6,7 @@ from giraff_core.io import IO
 from giraff_core.kinematics.echoes import Echoes
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.frames import BASE_FRAME
@@ -41,7 +42,7 @@ class Odometry:
             io.frame(part.child, part)
         self._wheels, self._out = io.inbox(WHEELS), io.publisher(ODOM)
         self._resets, self._poses = io.requests(ODOM_RESET), io.requests(ODOM_SET_POSE)
-        self._echoes, self._asked = Echoes(robot.sensor_poses), io.requests(ODOM_ECHOES)
+        self._echoes, self._asked = Echoes(robot.of(Ultrasonic)), io.requests(ODOM_ECHOES)
         self._ranges = io.inbox(RANGE, wakes=False)
         self._heard = self._noticed = io.monotonic()
 

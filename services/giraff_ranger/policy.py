@@ -3,6 +3,7 @@
 from typing import Final
 
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Bumper, Ultrasonic
 from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_schemas.bumper import Bump
 from giraff_schemas.frames import Transform
@@ -36,9 +37,9 @@ class RangerPolicy:
     """Turns the board's frames into samples."""
 
     def __init__(self, robot: RobotConfig) -> None:
-        self._sensors = robot.sensors
-        self._names = {pose.index: name for name, pose in robot.sensors.items()}
-        self._bumpers = robot.bumpers
+        self._sensors = robot.of(Ultrasonic)
+        self._names = {pose.index: name for name, pose in self._sensors.items()}
+        self._bumpers = robot.of(Bumper)
         self._ask_at = 0.0
         self._unanswered = 0
         self._tick_down = TickRelay()

@@ -2,6 +2,7 @@
 
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Bumper, Ultrasonic
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import RangerPolicy
 from giraff_schemas.boards import RANGER_BOARD
@@ -28,8 +29,8 @@ class Ranger:
         self._clock = io.inbox(TICK, limit=1)
         for transform in self._policy.transforms():
             io.frame(transform.child, transform)
-        self._ranges = {name: io.publisher(RANGE.at(name)) for name in robot.sensors}
-        self._bumps = {name: io.publisher(BUMPER.at(name)) for name in robot.bumpers}
+        self._ranges = {name: io.publisher(RANGE.at(name)) for name in robot.of(Ultrasonic)}
+        self._bumps = {name: io.publisher(BUMPER.at(name)) for name in robot.of(Bumper)}
 
     def turn(self, now: float) -> None:
         policy, link = self._policy, self.link

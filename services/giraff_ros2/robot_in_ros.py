@@ -8,6 +8,7 @@ from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__String as String
 from giraff_core.latest import LatestSamples
 from giraff_core.picture.receiver import OpenSource, PictureReceiver
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Camera, Ultrasonic
 from giraff_core.timer import Timer
 from giraff_ros2 import topics as ros
 from giraff_ros2.messages import pose, sensors
@@ -25,7 +26,7 @@ _APART: Final = 1.0  # s between two starts to look at a camera
 
 def published(robot: RobotConfig) -> tuple[RosTopic, ...]:
     """Return what this robot's node publishes, without a `*`."""
-    names = {ros.RANGE: [*robot.sensors], ros.CAMERA: [*robot.cameras]}
+    names = {ros.RANGE: [*robot.of(Ultrasonic)], ros.CAMERA: [*robot.of(Camera)]}
     return tuple(
         row
         for topic in ros.PUBLISHED
@@ -39,6 +40,7 @@ class RobotInRos:
     def __init__(self, robot: RobotConfig, port: RosPort, open_source: OpenSource | None, by: str) -> None:
         """`open_source`: looks at a camera; None: ROS is shown no pictures. `by`: who looks, for people."""
         self._robot, self._ros = robot, port
+        self._sensors, self._cameras = robot.of(Ultrasonic), robot.of(Camera)
         self._newest = LatestSamples()
         self._timer = Timer(_DIAGNOSTICS_HZ)
         self._pictures = PictureReceiver(open_source, by, _APART)
@@ -56,7 +58,7 @@ class RobotInRos:
         if self._timer.due(now):
             told = diagnostics(self._ros.wall_ns(), self._robot.name, self._newest, round(now * 1e9))
             self._ros.publish(ros.DIAGNOSTICS, told)
-        for name in self._robot.cameras:
+        for name in self._cameras:
             if not self._ros.is_wanted(topic := ros.CAMERA.at(name)):
                 self._pictures.leave(name)
             elif (seen := self._pictures.ask(name, now)) is not None:
@@ -71,8 +73,8 @@ class RobotInRos:
             case Odometry():
                 self._put(ros.ODOM, pose.odometry, sample)
                 self._put(ros.TF, pose.odom_transform, sample)
-            case Range() if sample.sensor in self._robot.sensors:
-                self._ros.publish(ros.RANGE.at(sample.sensor), sensors.range_reading(sample, self._robot))
+            case Range() if (sensor := self._sensors.get(sample.sensor)) is not None:
+                self._ros.publish(ros.RANGE.at(sample.sensor), sensors.range_reading(sample, sensor))
             case Tilt():
                 self._put(ros.HAND_IMU, sensors.imu, sample)
             case Battery():

@@ -12,7 +12,7 @@ import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.calibration import Calibration
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.wire import RANGE_SENSORS
 
 Level = Literal["exact", "calibrated", "uncalibrated"]

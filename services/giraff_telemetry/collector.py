@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from giraff_core.latest import FRESH, Latest, LatestSamples
-from giraff_core.sensors import ULTRASONIC
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.camera import CameraState
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
@@ -187,7 +187,7 @@ class Telemetry(LatestSamples):
         """Everything, as of now."""
         guard = self.latest(GUARD, now_ns)
         ranges = {heard.sample.sensor: heard for heard in reversed(self.all(RANGE, now_ns))}
-        sensors = (*self._sensors, *(guard.sample.of_type(ULTRASONIC) if guard else ()), *sorted(ranges))
+        sensors = (*self._sensors, *(guard.sample.of_type(Ultrasonic.type_name()) if guard else ()), *sorted(ranges))
         return Snapshot(
             silence=None if self._heard_ns is None else _since(self._heard_ns, now_ns),
             odometry=self.latest(ODOM, now_ns),

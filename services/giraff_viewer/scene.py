@@ -14,6 +14,7 @@ from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic, typed
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.localization import MapPose, MapWalls, Particles
 from giraff_schemas.messages import GuardState, Odometry, Range, RobotTime, Sample, Tick, Tilt, TruePose
@@ -87,7 +88,8 @@ class Scene:
     def __init__(self, robot: RobotConfig, note: str = "") -> None:
         """`note`: stands beside the robot; it says by what the robot is drawn where not by its own word."""
         self._robot, self._note = robot, note
-        self._cones = {sensor: Cone(sensor) for sensor in robot.sensors}
+        self._sensors = robot.of(Ultrasonic)
+        self._cones = {sensor: Cone(sensor) for sensor in self._sensors}
         self._drawn: dict[str, tuple[ConeState, float | None]] = {}
         self._outline = outline(robot.footprint_radius, robot.track_width)
         self._whereabouts = Whereabouts(self._outline, _HEADING * robot.footprint_radius)
@@ -120,13 +122,13 @@ class Scene:
             (f"{FLOOR}/robot", rr.LineStrips2D(self._outline, colors=[ROBOT], radii=[0.015], labels=labels)),
             (f"{HAND}/level", rr.LineStrips2D([arc(1.0, math.tau, 48), arc(0.5, math.tau, 48)], colors=[GREY])),
         ]
-        for sensor, pose in self._robot.sensors.items():
+        for sensor, pose in self._sensors.items():
             frame = f"range_{sensor}_link"
             rows += [
                 planar("base_link", frame, pose.x, pose.y, pose.yaw),
                 (f"{FLOOR}/{frame}", rr.CoordinateFrame(frame)),
             ]
-        return rows + _styles(series(tuple(self._robot.sensors)))
+        return rows + _styles(series(tuple(self._sensors)))
 
     def clear(self) -> list[Row]:
         """Return what takes the cones away: another scene has other sensors."""
@@ -270,7 +272,7 @@ class Scene:
                 level = "WARN" if state in ("fault", "blocked") else "INFO"
                 rows += self._log([(level, f"cone {sensor}: {state}{f', {why}' if why else ''}")])
             self._drawn[sensor] = state, each.distance
-            strips = cone(self._robot.model(sensor), None if state == "fault" else each.distance)
+            strips = cone(self._sensors[sensor], None if state == "fault" else each.distance)
             lines = rr.LineStrips2D(strips, colors=[CONES[state]], radii=[0.008])
             rows.append((f"{FLOOR}/range_{sensor}_link", lines))
         return rows
@@ -311,7 +313,7 @@ def _tilt(tilt: Tilt) -> Any:
 
 def stock(name: str) -> RobotConfig:
     """A Giraff as it is sold, for desks that have no robot file."""
-    return msgspec.convert(_STOCK | {"name": name}, RobotConfig)
+    return msgspec.convert(typed(_STOCK) | {"name": name}, RobotConfig)
 
 
 _STOCK: Final = {

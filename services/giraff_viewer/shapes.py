@@ -4,7 +4,7 @@ import math
 from typing import Final
 
 from giraff_core.kinematics.pose import ELLIPSE_95
-from giraff_core.sensors import UltrasonicModel
+from giraff_core.senses import Ultrasonic
 
 Point = tuple[float, float]
 Strip = list[Point]
@@ -55,12 +55,12 @@ def outline(radius: float, track_width: float) -> list[Strip]:
     return [arc(radius, math.tau, 48), nose, *wheels]
 
 
-def cone(model: UltrasonicModel, distance: float | None) -> list[Strip]:
+def cone(sensor: Ultrasonic, distance: float | None) -> list[Strip]:
     """What a sensor looks at, up to what it heard, in the sensor's frame."""
-    length = model.reach if distance is None else min(distance, model.reach)
-    bearings = [model.half_cone * (2.0 * ray / _RAYS - 1.0) for ray in range(_RAYS + 1)]
+    length = sensor.reach if distance is None else min(distance, sensor.reach)
+    bearings = [sensor.half_cone * (2.0 * ray / _RAYS - 1.0) for ray in range(_RAYS + 1)]
     rays: list[Strip] = [[(0.0, 0.0), _at(length, bearing)] for bearing in bearings]
-    return [*rays, *(arc(length * ring / _RINGS, 2.0 * model.half_cone, _RAYS) for ring in range(1, _RINGS + 1))]
+    return [*rays, *(arc(length * ring / _RINGS, 2.0 * sensor.half_cone, _RAYS) for ring in range(1, _RINGS + 1))]
 
 
 def ellipse(xx: float, xy: float, yy: float) -> Strip:

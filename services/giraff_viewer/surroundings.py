@@ -6,6 +6,7 @@ import rerun as rr
 
 from giraff_core.kinematics.echoes import CELL, Echoes
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.messages import Odometry, Range, TruePose
 from giraff_schemas.requests import EchoMap
 from giraff_viewer.colours import ECHOES, ROOM
@@ -21,7 +22,7 @@ class Surroundings:
     """All of it is in `odom`, one robot's."""
 
     def __init__(self, robot: RobotConfig) -> None:
-        self._echoes = Echoes(robot.sensor_poses)
+        self._echoes = Echoes(robot.of(Ultrasonic))
         self._earlier: EchoMap | None = None
         self._is_news = False
         self._walls: tuple[object, ...] = ()

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.kinematics.rigid import rigid
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.trouble import Trouble
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.picture.header import HeaderError, read_jpeg
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.trouble import NO_TROUBLE, Trouble

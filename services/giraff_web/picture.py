@@ -8,6 +8,7 @@ from giraff_core.estop.request import BY_WORD
 from giraff_core.latest import LatestSamples, is_fresh
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Attitude, DirectionLimit, EStop, GuardState, Odometry, Range, Sample
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, POSE, RANGE, SampleT, Topic
@@ -26,6 +27,7 @@ class Picture:
     def __init__(self, robot: RobotConfig, *, is_open: bool) -> None:
         """`is_open`: of the network."""
         self._robot, self._is_open = robot, is_open
+        self._sensors = robot.of(Ultrasonic)
         self._latest = LatestSamples()
         self._trail: deque[tuple[float, float]] = deque(maxlen=_POINTS)
         self._segment: tuple[str, int] | None = None
@@ -40,15 +42,14 @@ class Picture:
     @property
     def sensors(self) -> dict[str, Part]:
         """Return where each looks from, and how wide and far it hears, as the robot says."""
-        found = ((name, pose, self._robot.model(name)) for name, pose in self._robot.sensors.items())
         return {
-            name: Part(x=pose.x, y=pose.y, yaw=pose.yaw, half_cone=model.half_cone, reach=model.reach)
-            for name, pose, model in found
+            name: Part(x=each.x, y=each.y, yaw=each.yaw, half_cone=each.half_cone, reach=each.reach)
+            for name, each in self._sensors.items()
         }
 
     def on_sample(self, sample: Sample, now: float) -> None:
         """Take what the robot says."""
-        if isinstance(sample, Range) and sample.sensor not in self._robot.sensors:
+        if isinstance(sample, Range) and sample.sensor not in self._sensors:
             return
         self._latest.add(sample, now)
         if isinstance(sample, Odometry):
@@ -77,7 +78,7 @@ class Picture:
             stop=_latch(estop, is_open=self._is_open) if estop else None,
             stop_outcome=stop_outcome,
             directions=_directions(guard) if guard else None,
-            ranges={sensor: self._echo(sensor, now) for sensor in self._robot.sensors},
+            ranges={sensor: self._echo(sensor, now) for sensor in self._sensors},
             pose=(round(odom.x, 4), round(odom.y, 4), round(odom.yaw, 4)) if odom else None,
             covariance=_place_covariance(odom) if odom else None,
             segment=f"{odom.instance}:{odom.jumps}" if odom else "",

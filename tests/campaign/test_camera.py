@@ -12,7 +12,7 @@ from typing import Final
 import cv2
 import pytest
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_setup.camera.board import find_board, missing
 from giraff_setup.camera.guide import read
 from giraff_setup.camera.lens import fit_lens, lens_of

@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from giraff_base.drives.wheels.camera_doubt import CameraDoubt
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.messages import Wheels
 from giraff_sim.camera.scene import Scene
 from giraff_sim.camera.textures import Floor

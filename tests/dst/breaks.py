@@ -13,8 +13,8 @@ from giraff_base.service import Base
 from giraff_core.io import IO
 from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
+from giraff_core.senses import Sensed
 from giraff_guard.policy import GuardPolicy
-from giraff_guard.registry import Sensed
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
@@ -110,6 +110,7 @@ class TurnedGuard(GuardPolicy):
     def on_sensed(self, reading: Sensed, robot_ns: int) -> bool:
         names = {"front_left": ["rear"], "front_right": [], "rear": ["front_left", "front_right"]}
         hurries = False
+        assert isinstance(reading, Range)
         for name in names[reading.sensor]:
             hurries |= super().on_sensed(msgspec.structs.replace(reading, sensor=name), robot_ns)
         return hurries
@@ -122,7 +123,7 @@ class HalfGuard(GuardPolicy):
         if reading.sensor == "front_right":
             return False
         hurries = super().on_sensed(reading, robot_ns)
-        if reading.sensor == "front_left":
+        if isinstance(reading, Range) and reading.sensor == "front_left":
             hurries |= super().on_sensed(msgspec.structs.replace(reading, sensor="front_right"), robot_ns)
         return hurries
 

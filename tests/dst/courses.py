@@ -7,6 +7,7 @@ from typing import Final
 
 import msgspec
 
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.dst.hands import Fingers
@@ -94,7 +95,7 @@ def touch_sensors(run: SimulatedRun, chance: Random) -> Course:
     """Have something stand 8 cm before the front sensors, and go away."""
     del chance
     x, y, yaw = run.loop.simulation.world.plant.pose
-    ahead = max(pose.x for pose in run.loop.settings.robot.sensors.values()) + 0.08
+    ahead = max(pose.x for pose in run.loop.settings.robot.of(Ultrasonic).values()) + 0.08
     ends = [
         (x + ahead * math.cos(yaw) - w * math.sin(yaw), y + ahead * math.sin(yaw) + w * math.cos(yaw))
         for w in (-0.5, 0.5)

@@ -10,8 +10,8 @@ from giraff_base.service import Base
 from giraff_core.estop.latch import RELEASED
 from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
+from giraff_core.senses import Sensed
 from giraff_guard.policy import GuardPolicy
-from giraff_guard.registry import Sensed
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick

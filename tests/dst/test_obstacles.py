@@ -5,6 +5,7 @@ from collections import deque
 
 import pytest
 
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.messages import Range
 from giraff_sim.bodies.registry import world_of
 from giraff_sim.config import SimConfig
@@ -15,7 +16,7 @@ from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
 from tests.dst.stage import SETTINGS
 
-SENSOR = SETTINGS.robot.sensors["front_left"]
+SENSOR = SETTINGS.robot.of(Ultrasonic)["front_left"]
 RADIUS = SETTINGS.robot.footprint_radius
 HEARD_US, NOW_US = 1_000_000, 1_100_000
 SLOWLY, FAST = 0.257, 0.6

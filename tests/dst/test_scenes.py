@@ -6,6 +6,7 @@ from typing import Final
 import msgspec
 import pytest
 
+from giraff_core.senses import Bumper
 from giraff_sim.dst.faults.robot import bumper
 from giraff_sim.dst.scenarios import draw
 from giraff_sim.dst.simulated_run import Outcome, Scenario, play
@@ -45,7 +46,7 @@ def test_no_rule_is_broken(scene: str) -> None:
 
 def test_the_wire_of_a_bumper_is_cut_where_the_robot_has_one() -> None:
     assert any(each.kind.begin is bumper for seed in range(40) for each in draw(seed).faults)
-    bumped = msgspec.structs.replace(SETTINGS.robot, bumpers=BUMPED.bumpers)
+    bumped = msgspec.structs.replace(SETTINGS.robot, sensors=SETTINGS.robot.sensors | BUMPED.of(Bumper))
     for robot, times in ((SETTINGS.robot, 0), (bumped, 1)):
         scenario = Scenario(1, hall(), level(), 0.1, (at(0.04, bumper, 0.04),))
         outcome = play(scenario, msgspec.structs.replace(SETTINGS, robot=robot))

@@ -22,7 +22,7 @@ from tests.loop.loops import COARSE_STEP_US, arm, closed_loop, drawn, spare_time
 from tests.loop.reaction import WILD_SHARE, tilted
 from tests.loop.rooms import Wrist
 from tests.loop.touches import Kind, Touch, Touches
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 
 BOUNDS: Final = {Kind.HEARD: 0.16, Kind.WOULD: 0.20}
 """m/s at a touch."""
@@ -164,7 +164,7 @@ class _Membranes:
     """Of the sensors that are to be deaf: each hears some pings and not others, until it is covered."""
 
     def __init__(self, loop: ClosedLoop, drive: Drive) -> None:
-        self._sonars = [loop.simulation.world.sonars[ROBOT.sensors[name].index] for name in drive.deaf]
+        self._sonars = [loop.simulation.world.sonars[ULTRASONIC[name].index] for name in drive.deaf]
         self._sound = {sonar: sonar.fault for sonar in self._sonars}
         self._hears = drive.hears
         self._are_covered = False

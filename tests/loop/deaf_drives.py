@@ -10,7 +10,7 @@ import msgspec
 from giraff_maps.room_file import Point
 from giraff_sim.world.room import Pose, Room
 from tests.loop.rooms import cluttered
-from tests.support.robots import ROBOT
+from tests.support.robots import ULTRASONIC
 
 _LEAST: Final = 0.4  # m from the robot's middle to what is nearest
 _DEAF: Final = {
@@ -81,9 +81,7 @@ def drawn_drive(seed: int) -> tuple[Drive, Room]:
     """The drive of this seed, and where."""
     choose = random.Random(f"{seed}/deaf")
     deaf = _one_of(choose, _DEAF)
-    sign = choose.choice(
-        [sign for sign in (1.0, -1.0) if any(sign * math.cos(ROBOT.sensors[n].yaw) > 0.0 for n in deaf)]
-    )
+    sign = choose.choice([sign for sign in (1.0, -1.0) if any(sign * math.cos(ULTRASONIC[n].yaw) > 0.0 for n in deaf)])
     kind = _one_of(choose, _ROOMS)
     room, way = _room(choose, kind, seed, sign)
     acts = _from_the_open(choose) if kind == "open" else _story(choose, _one_of(choose, _STORIES), way)

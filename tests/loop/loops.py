@@ -6,7 +6,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.registry import world_of
@@ -24,7 +24,7 @@ from tests.support.robots import BASE, BY_SPEED, ROBOT
 BY_LEVELS = Settings(robot=ROBOT, base=BASE)
 SETTINGS = Settings(robot=ROBOT, base=msgspec.structs.replace(BASE, drive=BY_SPEED))
 SEES = msgspec.structs.replace(
-    SETTINGS, robot=msgspec.structs.replace(ROBOT, cameras={"head": Camera(x=0.05, z=1.0, pitch=0.35)})
+    SETTINGS, robot=msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"head": Camera(x=0.05, z=1.0, pitch=0.35)})
 )
 """With a camera."""
 SOURCE_CURVE = msgspec.structs.replace(BY_LEVELS, joystick=JoystickConfig(port="joystick", curve="source"))

@@ -17,7 +17,7 @@ from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
 from tests.loop.loops import SETTINGS, arm, closed_loop, drawn, spare_time
 from tests.loop.reaction import tilted
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 
 SIZE: Final = 5.0  # m, of each side of a room
 START: Final = (0.8, 0.8)
@@ -165,7 +165,7 @@ class Explorer:
         return 0.3, 0.0
 
     def _note(self, robot: Pose, sensor: str) -> None:
-        aside = ROBOT.sensors[sensor].y if sensor in ROBOT.sensors else 0.0
+        aside = ULTRASONIC[sensor].y if sensor in ULTRASONIC else 0.0
         cos, sin = math.cos(robot.yaw), math.sin(robot.yaw)
         self._noted.append((robot.x + 0.62 * cos - aside * sin, robot.y + 0.62 * sin + aside * cos))
 
@@ -244,7 +244,7 @@ class _Heard:
 
     def listen(self) -> None:
         world = self._loop.simulation.world
-        for sensor, pose in ROBOT.sensors.items():
+        for sensor, pose in ULTRASONIC.items():
             reading = self._loop.newest[f"range/{sensor}"]
             if reading is self._newest.get(sensor):
                 continue
@@ -264,7 +264,7 @@ class _Heard:
         let_through = self._loop.newest["cmd_vel"].linear_x
         speed = (plant.left.speed + plant.right.speed) / 2.0
         stops_after = abs(speed) * 0.1 + speed * speed / 3.0
-        for sensor, pose in ROBOT.sensors.items():
+        for sensor, pose in ULTRASONIC.items():
             if let_through * math.cos(pose.yaw) <= 0.0:
                 continue
             for echo in self._echoes[sensor]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from giraff_core.io import IO
 from giraff_core.kinematics.differential_drive import CREEP
+from giraff_core.senses import Camera
 from giraff_core.timer import Timer
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import RobotTime
@@ -23,7 +24,7 @@ from tests.sim.robots import proving_room
 from tests.support.filmed_drive import RATE
 from tests.support.wheels import wheels_of
 
-CAMERA: Final = SEES.robot.cameras["head"]
+CAMERA: Final = SEES.robot.of(Camera)["head"]
 
 
 class Eye:

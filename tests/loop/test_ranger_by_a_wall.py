@@ -11,6 +11,7 @@ import pytest
 from giraff_core.io import Inbox, Service
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult, result_of
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.motion import MotionGo, Step
 from giraff_schemas.topics import LEASE, ODOM, RANGE
 from giraff_setup.ultrasonic.fit import Echo
@@ -95,7 +96,7 @@ def test_the_front_sensors_of_a_drawn_robot_are_found() -> None:
     room = proving_room(TruePose(_WALL - 0.75, 0.0, math.radians(2.0)), _WALL)
     with stage(room, settings=msgspec.structs.replace(SETTINGS, robot=robot), truth=truth, seed=4) as made:
         stand = _SimulatedStand(made)
-        ahead = {name: pose for name, pose in robot.sensors.items() if name != "rear"}
+        ahead = {name: pose for name, pose in robot.of(Ultrasonic).items() if name != "rear"}
         person = TapePerson(stand, 4)
         told = measure(person, stand, msgspec.structs.replace(robot, sensors=ahead), _PINGS)
         made.run(2.5)

@@ -147,4 +147,4 @@ def test_without_a_publisher_that_is_known_there_is_no_hand_and_the_robot_is_sho
         it.run(0.1)
         assert "cmd_vel/ros2" not in it.loop.newest  # the robot's own chain hears nothing of it
         assert "no token has the id of their publisher" in it.loop.processes["ros2"].told["publisher"]
-        assert sum(name.startswith("range/") for name in it.desk.published) == len(it.loop.settings.robot.sensors)
+        assert sum(name.startswith("range/") for name in it.desk.published) == len(it.loop.settings.robot.sensor_types)

@@ -13,7 +13,7 @@ from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.world.room import Pose
 from giraff_sim.world.sonar import Sonar
 from tests.loop.rooms import NEARLY
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 
 _HEARD_US: Final = 10_000_000
 _BESIDE: Final = 0.5  # m along a wall between what was heard of it and what is touched
@@ -75,8 +75,8 @@ class Touches:
         self._deaf = deaf
         self._loop = loop
         self._world = loop.simulation.world
-        self._pings: dict[str, list[_Ping]] = {name: [] for name in ROBOT.sensors}
-        self._counted = {name: self._sonar(name).pings for name in ROBOT.sensors}
+        self._pings: dict[str, list[_Ping]] = {name: [] for name in ULTRASONIC}
+        self._counted = {name: self._sonar(name).pings for name in ULTRASONIC}
         self._poses: deque[Pose] = deque([self._world.plant.pose], maxlen=_STEPS + 1)
         self._touching: set[int] = set()
         self._free_to = 0.0  # m of path before which nothing can be touched
@@ -86,7 +86,7 @@ class Touches:
 
     def note(self) -> None:
         """Look at the world; after each step of the loop."""
-        for name in ROBOT.sensors:
+        for name in ULTRASONIC:
             self._note_ping(name)
         self._note_way()
         if self._world.plant.path_length >= self._free_to:
@@ -127,7 +127,7 @@ class Touches:
         point = min((room.nearest_of(surface, *pose[:2]) for surface in surfaces), key=lambda p: math.dist(p, pose[:2]))
         speed = self._speed()
         sign = math.copysign(1.0, speed)
-        sensors = [name for name, mount in ROBOT.sensors.items() if math.cos(mount.yaw) * sign > 0.0]
+        sensors = [name for name, mount in ULTRASONIC.items() if math.cos(mount.yaw) * sign > 0.0]
         return Touch(
             kind=self._kind(surfaces, point, sensors, sign),
             speed=abs(speed),
@@ -191,7 +191,7 @@ class Touches:
         return self._world.room.distance(surface, x, y) - ROBOT.footprint_radius
 
     def _sonar(self, name: str) -> Sonar:
-        return self._world.sonars[ROBOT.sensors[name].index]
+        return self._world.sonars[ULTRASONIC[name].index]
 
 
 def _along(first: Pose, last: Pose) -> float:

@@ -26,7 +26,7 @@ from giraff_sim.world.room import Pose, Room, read_room
 from tests.loop.loops import arm, closed_loop, spare_time
 from tests.loop.reaction import quantile, tilted
 from tests.loop.rooms import crossings
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 
 SEEDS: Final = range(6)
 PASSING_SEEDS: Final = range(40)
@@ -142,7 +142,7 @@ def walks_off(seed: int, *, into_the_open: bool) -> Passing:
         loop.simulation.world.hand = Walker(1000.0, 0.0)
         loop.run(choose.uniform(1.5, 2.0))
         side = choose.choice((-1.0, 1.0))
-        sensors = max(pose.x for pose in ROBOT.sensors.values())
+        sensors = max(pose.x for pose in ULTRASONIC.values())
         x, y = plant.pose.x + sensors + _AHEAD + _BODY, plant.pose.y + choose.uniform(-_ASIDE, _ASIDE)
         room.add_post("person", x, y, _BODY)
         if not into_the_open:

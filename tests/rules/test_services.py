@@ -10,6 +10,7 @@ from unittest.mock import MagicMock
 import pytest
 
 from giraff_base.drives.balancer.drive import BalancerDrive
+from giraff_core.senses import SENSED
 from giraff_keyboard.picture import DriveView
 from giraff_node.config import typos
 from giraff_node.config.robot_file import load
@@ -21,6 +22,7 @@ from giraff_schemas.services import (
     BASE,
     CLIENT,
     DOOR,
+    GUARD,
     KEYBOARD,
     ROBOT_TABLES,
     ROBOTS_OWN,
@@ -224,3 +226,11 @@ def test_only_what_operators_say_has_several_makers() -> None:
     """`doctor` asks the one maker of a topic why it is silent."""
     makers = Counter(topic.key for service in SERVICES for topic in service.publishes)
     assert {key for key, count in makers.items() if count > 1} == {topics.OPERATOR_CMD_VEL.key, topics.MOTION_HOLD.key}
+
+
+def test_the_guard_hears_what_each_sense_tells_and_nothing_else_of_a_sensor() -> None:
+    assert {*SENSED.values()} == {topic for topic in GUARD.subscribes if topic.names == "sensor"}
+    for topic in SENSED.values():
+        [maker] = [service for service in SERVICES if topic in service.publishes]
+        assert (topic.inside, maker.inside) == (True, True)
+        assert {"sensor", "tick"} <= {*topic.schema.__struct_fields__}

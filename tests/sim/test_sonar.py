@@ -6,18 +6,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_core.robot import SensorPose
+from giraff_core.senses import Ultrasonic
 from giraff_sim.config import SimConfig
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Lean, Sonar, SonarFault, sonars
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
-from tests.support.robots import ROBOT
+from tests.support.robots import ULTRASONIC
 
-AHEAD = SensorPose(index=0, x=0.0, y=0.0, yaw=0.0)
+AHEAD = Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0)
 
 
 def sonar_in(
-    room: Room, sim: SimConfig = EXACT, mount: SensorPose = AHEAD, seed: str = "seed", noise: float = 0.0
+    room: Room, sim: SimConfig = EXACT, mount: Ultrasonic = AHEAD, seed: str = "seed", noise: float = 0.0
 ) -> Sonar:
     return Sonar(mount, room, sim, seed, noise)
 
@@ -46,15 +46,15 @@ def test_nearer_than_2_centimetres_reads_2() -> None:
 
 def test_the_mount_counts() -> None:
     room = room_with_wall(2.0)
-    heard = {number: sonar.heard(ORIGIN) for number, sonar in sonars(ROBOT.sensors, room, EXACT, 1).items()}
+    heard = {number: sonar.heard(ORIGIN) for number, sonar in sonars(ULTRASONIC, room, EXACT, 1).items()}
     assert heard == {0: pytest.approx(1.75), 1: pytest.approx(1.75), 2: None}
     turned = Pose(0.0, 0.0, math.pi)
-    assert sonars(ROBOT.sensors, room, EXACT, 1)[2].heard(turned) == pytest.approx(1.75)
+    assert sonars(ULTRASONIC, room, EXACT, 1)[2].heard(turned) == pytest.approx(1.75)
 
 
 def test_on_a_body_that_leans_it_looks_along_a_slanted_axis_and_may_hear_the_floor() -> None:
     """0.3 m up and 0.125 m above the axle, at 8 degrees: it looks at the floor from 2.2 m on."""
-    lean, mount = Lean(math.radians(8.0), 0.175), SensorPose(index=0, x=0.0, y=0.0, z=0.3, yaw=0.0)
+    lean, mount = Lean(math.radians(8.0), 0.175), Ultrasonic(index=0, x=0.0, y=0.0, z=0.3, yaw=0.0)
     sin, cos = math.sin(lean.angle), math.cos(lean.angle)
     wall = sonar_in(room_with_wall(1.0), mount=mount)
     assert wall.echo_us(ORIGIN, lean) / 5800.0 == pytest.approx((1.0 - 0.125 * sin) / cos)

@@ -7,13 +7,13 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.calibration import Calibration
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_sim.bodies.wheels.plant import Plant
 from giraff_sim.truth import Level, TrueWheel, Truth, TruthRanges, draw_truth
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import Sonar, SonarFault
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall, world_in
-from tests.support.robots import DRIVE, ROBOT
+from tests.support.robots import DRIVE, ROBOT, ULTRASONIC
 
 STEP = 0.001
 COUNTS_PER_METRE = ROBOT.ticks_per_metre * 2  # of the encoder's quadrature states
@@ -155,7 +155,7 @@ def test_only_what_is_heard_for_certain_counts_as_heard() -> None:
     room = room_with_wall(3.0)
     along = (math.sin(math.radians(40.0)), math.cos(math.radians(40.0)))
     room.add_wall("slanted, left of the axis", [(1.0, 0.16), (1.0 + 0.3 * along[0], 0.16 + 0.3 * along[1])])
-    sonar = Sonar(ROBOT.sensors["front_left"], room, EXACT, "seed")
+    sonar = Sonar(ULTRASONIC["front_left"], room, EXACT, "seed")
     echo = sonar.sure_echo(ORIGIN)
     assert echo is not None
     assert echo.surface == 0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from giraff_camera.jpeg import JpegEncoder
 from giraff_core.kinematics.pose import Pose
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_sim.camera.renderer import Renderer

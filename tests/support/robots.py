@@ -1,14 +1,20 @@
 """The robot that most tests are of: a stock Giraff's geometry, nothing soldered the other way round."""
 
 import math
+from typing import Final
 
 import msgspec
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_core.robot import RobotConfig, SensorPose
-from giraff_core.sensors import Bumper, Camera
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import Bumper, Camera, Ultrasonic
 
+ULTRASONIC: Final = {
+    "front_left": Ultrasonic(index=0, x=0.25, y=0.15, yaw=0.0),
+    "front_right": Ultrasonic(index=1, x=0.25, y=-0.15, yaw=0.0),
+    "rear": Ultrasonic(index=2, x=-0.25, y=0.0, yaw=math.pi),
+}
 ROBOT = RobotConfig(
     name="sim-test",
     track_width=0.47,
@@ -16,18 +22,15 @@ ROBOT = RobotConfig(
     max_wheel_speed=0.6,
     max_angular_speed=1.57,
     footprint_radius=0.3,
-    sensors={
-        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
-        "front_right": SensorPose(index=1, x=0.25, y=-0.15, yaw=0.0),
-        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=math.pi),
-    },
+    sensors={**ULTRASONIC},
 )
 
 BUMPED = msgspec.structs.replace(
-    ROBOT, bumpers={"front": Bumper(index=0, way="forward"), "back": Bumper(index=1, way="backward")}
+    ROBOT,
+    sensors=ROBOT.sensors | {"front": Bumper(index=0, way="forward"), "back": Bumper(index=1, way="backward")},
 )
 """The same with a bumper at each half of its rim."""
-FITTED = msgspec.structs.replace(BUMPED, cameras={"head": Camera(z=1.0)})
+FITTED = msgspec.structs.replace(BUMPED, sensors=BUMPED.sensors | {"head": Camera(z=1.0)})
 """With all that a robot may have."""
 
 DRIVE = WheelsConfig(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_sim.camera.scene import Lens, Scene, Shadow, Walker
 from giraff_sim.camera.textures import Floor
 from giraff_vision.policy import VisionPolicy

@@ -9,7 +9,7 @@ import msgspec
 import zenoh
 
 from giraff_cli.doctor.inspection import Geometry, GeometryInUse, HealthReply, Rate, Robot
-from giraff_core.sensors import ULTRASONIC
+from giraff_core.senses import Ultrasonic
 from giraff_node import robot_now_ns
 from giraff_node.network.replies import ask_all
 from giraff_node.network.tcp_options import set_tcp_options
@@ -173,7 +173,7 @@ def rates_of(listener: CountedTelemetry, now: Snapshot) -> Iterable[Rate]:
     wanted = {topic: topic.rate_hz for topic in MAKERS}
     if now.base is not None and now.base.fresh:
         wanted |= dict.fromkeys((WHEELS, ODOM), 1000.0 / max(1, now.base.sample.board.report_ms))
-    has_ranges = now.guard is None or not now.guard.fresh or now.guard.sample.of_type(ULTRASONIC)
+    has_ranges = now.guard is None or not now.guard.fresh or now.guard.sample.of_type(Ultrasonic.type_name())
     for topic, maker in MAKERS.items():
         if topic == RANGE and not has_ranges:
             continue

@@ -15,7 +15,7 @@ import msgspec
 from giraff_cli.replay.agreement import Agreement, differences
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import SENSED
+from giraff_core.senses import SENSED
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy, number_place, numbers_unheard
 from giraff_mcap.reading import is_whole, put_params

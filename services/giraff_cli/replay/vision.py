@@ -8,7 +8,7 @@ from typing import Final
 from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.policies import RecordedSamples
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import VISUAL_ODOM
@@ -27,7 +27,7 @@ def replay_vision(said: RecordedSamples, pictures: Iterable[Picture], robot: Rob
     at the next one: until then motions guessed before are missed. It begins again behind a picture that is missing, or
     that only one of the two took for a key picture.
     """
-    found = Agreement(service="vision", key=VISUAL_ODOM.key)
+    found, cameras = Agreement(service="vision", key=VISUAL_ODOM.key), robot.of(Camera)
     told = said.of(VisualOdometry)
     numbered = {(each.instance, each.seq): each for each in told}
     waiting = {(each.camera, each.picture, each.tick, each.width): each for each in told}
@@ -46,7 +46,7 @@ def replay_vision(said: RecordedSamples, pictures: Iterable[Picture], robot: Rob
         if life is not None and life.next == (then.instance, then.seq):
             differs = life.differences(new, picture, then)
         elif then.seq == 0 or (then.is_measured and following is not None and following.key > then.key):
-            camera = robot.cameras.get(then.camera)
+            camera = cameras.get(then.camera)
             life = None if camera is None else _Life(camera, recent, picture, then)
         if differs is None:
             found.left_out += 1

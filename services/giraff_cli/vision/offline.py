@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from giraff_core.kinematics.pose import Pose
 from giraff_core.picture.header import MOST_PIXELS
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.tables import table_of
 from giraff_mcap.unread import Unread

@@ -7,7 +7,7 @@ import msgspec
 from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.latest import Latest
 from giraff_core.lease import IDLE
-from giraff_core.sensors import ULTRASONIC
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DirectionLimit, DriveCommand, Range
 from giraff_schemas.services import HANDS, ROS2
@@ -124,14 +124,14 @@ def ranger(chain: ChainState) -> Link:
         is_alive, state = "ranger" in chain.observation.alive, chain.guard
         if state is None:
             return Link(name="ranger", status="waits", text="the guard, which knows the sensors, is not heard")
-        if not state.sample.of_type(ULTRASONIC) and (is_alive or not state.sample.sensors):
+        if not state.sample.of_type(Ultrasonic.type_name()) and (is_alive or not state.sample.sensors):
             return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
         if is_alive:
             return chain.silent("ranger", "ranger")
         how = "start it on the machine that the ranger board is plugged into"
         return Link(name="ranger", status="missing", text=f"giraff_ranger is not running, or hangs; {how}")
     newest = min(readings.values(), key=lambda heard: heard.age)
-    known = set(readings if chain.guard is None else chain.guard.sample.of_type(ULTRASONIC))
+    known = set(readings if chain.guard is None else chain.guard.sample.of_type(Ultrasonic.type_name()))
     blind = dict.fromkeys(known - readings.keys(), "not heard; check giraff_ranger")
     faults = {name: heard.sample.reason for name, heard in readings.items() if heard.sample.state == "fault"}
     blind |= {name: chain.tell("ranger", reason) for name, reason in faults.items()}

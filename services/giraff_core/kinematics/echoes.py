@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Final
 
+from giraff_core.kinematics.parts import Posed
 from giraff_core.kinematics.pose import Pose
 from giraff_core.kinematics.pose_history import FrameError, PoseHistory
 from giraff_schemas.messages import Odometry, Range
@@ -20,9 +21,8 @@ MOST_CELLS: Final = 4000
 class Echoes:
     """Echoes of one robot. All are forgotten when odometry begins anew or its pose is set."""
 
-    def __init__(self, sensors: Mapping[str, tuple[float, float, float]]) -> None:
-        """`sensors`: m, m, rad in `base_link`."""
-        self._sensors = {name: Pose(*place) for name, place in sensors.items()}
+    def __init__(self, sensors: Mapping[str, Posed]) -> None:
+        self._sensors = {name: Pose(each.x, each.y, each.yaw) for name, each in sensors.items()}
         self._history = PoseHistory()
         self._segment: tuple[str, int] | None = None
         self._cells: dict[tuple[int, int], None] = {}

@@ -7,8 +7,7 @@ from typing import Final
 from giraff_core.freshness import age
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
-from giraff_core.robot import SensorPose
-from giraff_core.sensors import HC_SR04, UltrasonicModel
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.motion import LEVEL, Lean, RecentTravel
 from giraff_guard.ultrasonic.level import floor_from, level_distance
@@ -24,7 +23,7 @@ _KEPT: Final = 4
 class Sensor:
     """The newest few good readings without a gap or fault between, and what more is known of the sensor."""
 
-    def __init__(self, name: str, pose: SensorPose, live: Live[GuardConfig], model: UltrasonicModel = HC_SR04) -> None:
+    def __init__(self, name: str, pose: Ultrasonic, live: Live[GuardConfig]) -> None:
         self.name = name
         self.pose = pose
         self.offset = pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)
@@ -32,7 +31,6 @@ class Sensor:
         self.aside = pose.y * math.cos(pose.yaw) - pose.x * math.sin(pose.yaw)
         """m it sits to the left of base_link, seen along its axis."""
         self._live = live
-        self._model = model
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
         self._trust = SilenceTrust(live)
@@ -49,17 +47,17 @@ class Sensor:
     @property
     def half_cone(self) -> float:
         """rad off its axis from which an echo may come."""
-        return self._live.config.half_cone or self._model.half_cone
+        return self._live.config.half_cone or self.pose.half_cone
 
     @property
     def incidence(self) -> float:
         """rad up to which a slanted surface is heard reliably."""
-        return self._live.config.incidence or self._model.incidence
+        return self._live.config.incidence or self.pose.incidence
 
     @property
     def reach(self) -> float:
         """m that its `clear` counts for."""
-        return min(self._live.config.reach, self._model.reach)
+        return min(self._live.config.reach, self.pose.reach)
 
     @property
     def tick(self) -> RobotTime | None:

@@ -2,6 +2,7 @@
 
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.limits import DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
@@ -26,7 +27,7 @@ class UltrasonicSource:
         """Begin anew: nothing that was heard has a known age."""
         live, robot = self._live, self._robot
         limits = Limits(live, robot)
-        self.names = {name: Sensor(name, pose, live, robot.model(name)) for name, pose in robot.sensors.items()}
+        self.names = {name: Sensor(name, pose, live) for name, pose in robot.of(Ultrasonic).items()}
         self._echoes = Echoes(limits)
         sensors = list(self.names.values())
         self._directions: dict[DriveDirection, UltrasonicDirection] = {

@@ -16,9 +16,8 @@ import msgspec
 import msgspec.inspect
 
 from giraff_core.network import host_and_port
-from giraff_core.robot import WIRING, RobotConfig
-from giraff_core.sensors import SORTED, by_type
-from giraff_core.sensors import TABLES as SENSOR_TABLES
+from giraff_core.robot import WIRING
+from giraff_core.senses import typed
 from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.services import ROBOT_TABLES
 from giraff_schemas.text import near, plain
@@ -35,7 +34,6 @@ _DEEPEST: Final = 20
 """Tables and lists within each other."""
 _TOO_DEEP: Final = "it is nested too deeply"
 _PLACE: Final = re.compile(r"at `\$\.([^`]*)`")
-_OF_SENSORS: Final = re.compile(rf"\$\.({'|'.join(SENSOR_TABLES)})\.")
 _UNKNOWN: Final = re.compile(r"unknown field `([^`]*)`")
 _NO_TEXT: Final = re.compile(r"Expected `(\w+)[^`]*`, got `str`")
 _NUMBER: Final = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)")
@@ -70,17 +68,14 @@ class RawSettings(NamedTuple):
         """The checked table as a `config`, whose fields' defaults stand for what is left out. Raises ConfigError."""
         values = self.tables.get(name, {})
         if name == "robot":
-            try:
-                values = by_type(values)
-            except ValueError as error:
-                raise ConfigError(f"{self.place(name)}: {error}") from error
+            values = typed(values)
         try:
             # Not strict, because the environment's values are text: "70" is a number, "true" a truth.
             return converted(values, config, strict=False)
         except ValueError as error:
             raw = str(error.__cause__ or error)  # in msgspec's words, which name the place
             told = _with_key(raw, values, config)
-            shown = plain(_OF_SENSORS.sub("$.sensors.", told))
+            shown = plain(told)
             if (name, told) == ("base", _NO_DRIVE):
                 shown = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
             raise ConfigError(
@@ -262,7 +257,7 @@ def _hint(values: Mapping[str, Any], config: type[msgspec.Struct], told: str) ->
     structs = _structs(kind, inner)
     if unknown:
         names = [field.name for struct in structs for field in struct.fields]
-        return suggestion(unknown[1], [name for name in names if config is not RobotConfig or name not in SORTED])
+        return suggestion(unknown[1], names)
     known = _words(kind, inner, keys[-1]) if keys else ()
     return suggestion(str(inner.get(keys[-1])), known) if known and inner.get(keys[-1]) not in known else ""
 

@@ -5,6 +5,7 @@ What a table knows is what its `Struct` has. What else is wrong with a robot fil
 
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
+from types import UnionType
 from typing import Any, Final, get_args, get_origin, get_type_hints
 
 import msgspec
@@ -105,7 +106,9 @@ def config_of(table: str) -> Any:
 
 
 def _fields(kind: Any) -> tuple[str, ...]:
-    """Those of a `Struct`; of any other type none."""
+    """Return those of a `Struct`, or of all in a union; of any other type none."""
+    if isinstance(kind, UnionType):
+        return tuple(field for each in get_args(kind) for field in _fields(each))
     return kind.__struct_fields__ if isinstance(kind, type) and issubclass(kind, msgspec.Struct) else ()
 
 
@@ -113,7 +116,8 @@ def _type_of(kind: Any, key: str) -> Any:
     """The type of what stands under this key; None: there is no such key."""
     if get_origin(kind) is dict:
         return get_args(kind)[1]
-    return get_type_hints(kind)[key] if key in _fields(kind) else None
+    kinds = get_args(kind) if isinstance(kind, UnionType) else (kind,)
+    return next((get_type_hints(each)[key] for each in kinds if key in _fields(each)), None)
 
 
 def _is_own(kind: Any, key: str, value: Any) -> bool:

@@ -17,6 +17,7 @@ from rosbags.typesys.stores.ros2_kilted import nav_msgs__msg__Odometry as RosOdo
 from rosbags.typesys.stores.ros2_kilted import tf2_msgs__msg__TFMessage as TFMessage
 
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Camera
 from giraff_ros2.messages.header import header, quaternion
 from giraff_schemas.frames import BASE_FRAME, MAP_FRAME, ODOM_FRAME, Transform, camera_frame
 from giraff_schemas.localization import MapPose
@@ -71,9 +72,8 @@ def amcl_pose(pose: MapPose) -> StampedPose | None:
 
 def fixed_parts(robot: RobotConfig) -> list[Transform]:
     """Return where the robot's parts are: sensors, cameras and their optical frames, `[robot.frames]`."""
-    parts = [sensor.transform(name) for name, sensor in robot.sensors.items()]
-    for name, camera in robot.cameras.items():
-        parts.append(camera.transform(name))
+    parts = [*robot.sensor_transforms.values()]
+    for name in robot.of(Camera):
         if optical_frame(name) not in robot.frames:  # a robot file that has one means it
             roll, pitch, yaw = _OPTICAL
             parent, child = camera_frame(name), optical_frame(name)

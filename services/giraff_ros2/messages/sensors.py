@@ -11,7 +11,7 @@ from rosbags.typesys.stores.ros2_kilted import sensor_msgs__msg__CompressedImage
 from rosbags.typesys.stores.ros2_kilted import sensor_msgs__msg__Imu as Imu
 from rosbags.typesys.stores.ros2_kilted import sensor_msgs__msg__Range as RosRange
 
-from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_ros2.messages.header import header, single
 from giraff_ros2.messages.pose import optical_frame
 from giraff_schemas.camera import Picture
@@ -26,15 +26,14 @@ _NOT_MEASURED: Final = -1.0  # first number of a covariance, as sensor_msgs/Imu 
 _WITHOUT_ECHO: Final = {"clear": math.inf, "fault": math.nan}  # REP-117
 
 
-def range_reading(sample: Range, robot: RobotConfig) -> RosRange:
+def range_reading(sample: Range, sensor: Ultrasonic) -> RosRange:
     """Return a reading: +inf where nothing answered, NaN where the sensor has a fault."""
-    model = robot.model(sample.sensor)
     return RosRange(
         header(sample.stamp_ns, range_frame(sample.sensor)),
         RosRange.ULTRASOUND,
-        field_of_view=2.0 * model.half_cone,
+        field_of_view=2.0 * sensor.half_cone,
         min_range=NEAREST,
-        max_range=model.reach,
+        max_range=sensor.reach,
         range=_WITHOUT_ECHO[sample.state] if sample.range is None else single(sample.range),
         variance=0.0,  # unknown
     )

@@ -4,15 +4,16 @@ from typing import Final
 from xml.etree import ElementTree as ET
 
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Camera, Sense, Ultrasonic
 from giraff_ros2.messages.pose import fixed_parts
-from giraff_schemas.frames import BASE_FRAME, camera_frame, range_frame
+from giraff_schemas.frames import BASE_FRAME
 
 # Sizes that no robot file tells. They are drawn, and nothing computes with them. m.
 _BODY_HEIGHT: Final = 0.06
 _WHEEL_RADIUS: Final = 0.033
 _WHEEL_WIDTH: Final = 0.02
-_RANGE_SIZE: Final = "0.015 0.045 0.02"
-_CAMERA_SIZE: Final = "0.02 0.03 0.03"
+_SIZES: Final[dict[type[Sense], str]] = {Ultrasonic: "0.015 0.045 0.02", Camera: "0.02 0.03 0.03"}
+_OTHER_SIZE: Final = "0.03 0.03 0.03"
 _QUARTER: Final = "1.5707963267948966 0 0"
 _BODY, _WHEEL, _PART = "0.8 0.6 0.2 1", "0.15 0.15 0.15 1", "0.2 0.4 0.8 1"
 
@@ -26,8 +27,8 @@ def urdf(robot: RobotConfig) -> str:
     track = robot.kinematics.track_width
     for y in (track / 2, -track / 2):
         _cylinder(base, f"0 {y!r} {_WHEEL_RADIUS}", _QUARTER, _WHEEL_RADIUS, _WHEEL_WIDTH, _WHEEL)
-    sizes = dict.fromkeys(map(range_frame, robot.sensors), _RANGE_SIZE)
-    sizes |= dict.fromkeys(map(camera_frame, robot.cameras), _CAMERA_SIZE)
+    places = robot.sensor_transforms.items()
+    sizes = {place.child: _SIZES.get(type(robot.sensors[name]), _OTHER_SIZE) for name, place in places}
     for part in fixed_parts(robot):
         link = ET.SubElement(root, "link", name=part.child)
         if part.child in sizes:

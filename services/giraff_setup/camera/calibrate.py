@@ -9,7 +9,7 @@ from typing import Final
 
 from giraff_core.picture.receiver import PictureSource
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.picture_client import PictureClient
 from giraff_setup.camera.board import View, find_board, is_new, missing
@@ -86,7 +86,7 @@ def _calibrate(
 
 def choose(filed: RobotConfig, name: str | None) -> tuple[str, Camera]:
     """Return the camera that is meant. Raises UnusableError."""
-    cameras = filed.cameras
+    cameras = filed.of(Camera)
     if name is None and len(cameras) == 1:
         name = next(iter(cameras))
     if name in cameras:

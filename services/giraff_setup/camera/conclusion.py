@@ -7,7 +7,7 @@ from typing import Any, Final
 import msgspec
 import numpy as np
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_setup.camera.lens import LensFit, lens_of
 from giraff_setup.camera.picture import UnusableError
 from giraff_setup.camera.sheet import FloorPose, middle_of

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_setup.camera.picture import Points, UnusableError
 from giraff_setup.condition import is_determined
 from giraff_tools.chessboard import COLUMNS, ROWS, SQUARE

@@ -10,7 +10,7 @@ import msgspec
 
 from giraff_base.config import KINDS, BaseConfig
 from giraff_core.robot import WIRING, RobotConfig
-from giraff_core.sensors import ULTRASONIC
+from giraff_core.senses import Camera, Sense, Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import ConfigError, RawSettings, read
@@ -85,7 +85,7 @@ def _has(fields: Mapping[str, Any], name: str, table: str) -> StepResult:
     return StepResult("done", f"{table} has {name}") if is_set else StepResult("left", f"{table} has no {name}")
 
 
-def _each(kind: str, name: str) -> Callable[[Tables], StepResult | None]:
+def _each(kind: type[Sense], name: str) -> Callable[[Tables], StepResult | None]:
     """Tell of a field that the step writes for each sensor of a type."""
 
     def find(tables: Tables) -> StepResult | None:
@@ -93,7 +93,8 @@ def _each(kind: str, name: str) -> Callable[[Tables], StepResult | None]:
         if not isinstance(entries, Mapping):
             return StepResult("left", "[robot] has no sensors")
         tables_of = {sensor: entry for sensor, entry in entries.items() if isinstance(entry, Mapping)}
-        sensors = {sensor: entry for sensor, entry in tables_of.items() if entry.get("type", ULTRASONIC) == kind}
+        default, wanted = Ultrasonic.type_name(), kind.type_name()
+        sensors = {sensor: entry for sensor, entry in tables_of.items() if entry.get("type", default) == wanted}
         missing = [sensor for sensor, entry in sensors.items() if name not in entry]
         if not sensors:
             return None
@@ -172,8 +173,8 @@ STEPS: Final = (
     Step("The battery", _PAGE, _battery, ("base",)),
     Step("Speeds that are held", "giraff tune speed", _speed_control, ("base",)),
     Step("Odometry", "giraff calibrate odometry", _odometry, ("robot",)),
-    Step("Sensors by a wall", "giraff calibrate ranger", _each(ULTRASONIC, "scale"), ("robot",)),
-    Step("The camera", "giraff calibrate camera", _each("camera", "distortion"), ("robot",)),
+    Step("Sensors by a wall", "giraff calibrate ranger", _each(Ultrasonic, "scale"), ("robot",)),
+    Step("The camera", "giraff calibrate camera", _each(Camera, "distortion"), ("robot",)),
     Step(
         "Before it is left to others", _PAGE, lambda _: StepResult("look", "cardboard, cables, and the emergency stop")
     ),

@@ -10,7 +10,8 @@ from typing import Final, NamedTuple, Protocol
 
 import msgspec
 
-from giraff_core.robot import RobotConfig, SensorPose
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.setup import distances
 from giraff_node.config.robot_file import ConfigError, load
@@ -87,11 +88,9 @@ def guide(
 ) -> int:
     """Measure, tell, ask and write into `path`, which says `filed`; return the exit code. Raises ConfigError."""
     guard = load("guard", GuardConfig, {**os.environ, "GIRAFF_CONFIG": str(path)})
+    sensors = filed.of(Ultrasonic).items()
     try:
-        rehearse(
-            path,
-            {_table(name): {each: getattr(pose, each) for each in _FIELDS} for name, pose in filed.sensors.items()},
-        )
+        rehearse(path, {_table(name): {each: getattr(pose, each) for each in _FIELDS} for name, pose in sensors})
     except RobotFileError as error:
         return _complain(str(error), UNUSABLE)
     try:
@@ -121,9 +120,9 @@ def guide(
 
 def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict[str, dict[str, float]]:
     """Return the fields to write of each sensor that was found."""
-    tables = {}
+    tables, sensors = {}, filed.of(Ultrasonic)
     for name, measured in measure(human, stand, filed, pings).items():
-        before = filed.sensors[name]
+        before = sensors[name]
         told = bounded(before, measured)
         human.show(in_words(before, name, told))
         if fields := changed(before, told):
@@ -153,7 +152,7 @@ def _interrupted() -> int:
     return _complain("interrupted. Nothing was written.", INTERRUPTED)
 
 
-def changed(before: SensorPose, measured: Measured) -> dict[str, float]:
+def changed(before: Ultrasonic, measured: Measured) -> dict[str, float]:
     """Return the fields of the robot file that become others; none where nothing was found."""
     if (found := measured.found) is None:
         return {}
@@ -181,9 +180,8 @@ class Farther(NamedTuple):
 
 def placed(robot: RobotConfig, name: str, fields: Mapping[str, float]) -> RobotConfig:
     """Return the robot with these fields of one sensor."""
-    return msgspec.structs.replace(
-        robot, sensors={**robot.sensors, name: msgspec.structs.replace(robot.sensors[name], **fields)}
-    )
+    sensor = msgspec.structs.replace(robot.sensors[name], **fields)
+    return msgspec.structs.replace(robot, sensors={**robot.sensors, name: sensor})
 
 
 def farther(before: RobotConfig, after: RobotConfig, guard: GuardConfig) -> Farther:
@@ -193,8 +191,8 @@ def farther(before: RobotConfig, after: RobotConfig, guard: GuardConfig) -> Fart
     """
     way = guard.range_budget * before.max_wheel_speed
     found = []
-    for name in before.sensors:
-        reach = min(guard.reach, before.model(name).reach)
+    for name, sensor in before.of(Ultrasonic).items():
+        reach = min(guard.reach, sensor.reach)
         most = max(
             then - now
             for echo in (0.0, reach)
@@ -223,7 +221,7 @@ def warning(name: str, before: RobotConfig, after: RobotConfig, guard: GuardConf
     )
 
 
-def in_words(before: SensorPose, name: str, measured: Measured) -> str:
+def in_words(before: Ultrasonic, name: str, measured: Measured) -> str:
     """Tell the person what was found of a sensor, how sure it is, and what was before."""
     if (found := measured.found) is None:
         return f"{name}: cannot be told, and stays as it is: {measured.why}."
@@ -238,7 +236,7 @@ def in_words(before: SensorPose, name: str, measured: Measured) -> str:
     return "\n".join([f"{name:<14}{'found':<22}before", *(f"{what:<14}{now:<22}{was}" for what, now, was in rows)])
 
 
-def bounded(before: SensorPose, measured: Measured) -> Measured:
+def bounded(before: Ultrasonic, measured: Measured) -> Measured:
     """Return what was measured, or why no robot file takes it."""
     try:
         after = msgspec.structs.replace(before, **changed(before, measured))

@@ -13,8 +13,7 @@ import numpy.typing as npt
 
 from giraff_core.bounds import bounds_of
 from giraff_core.kinematics.pose import Pose
-from giraff_core.robot import SensorPose
-from giraff_core.sensors import UltrasonicModel
+from giraff_core.senses import Ultrasonic
 from giraff_setup.condition import is_determined
 
 FEWEST: Final = 10
@@ -126,8 +125,7 @@ def wall_of(at: Pose, left: float, right: float, track: float, *, ahead: bool) -
 
 
 def fit(
-    filed: SensorPose,
-    model: UltrasonicModel,
+    filed: Ultrasonic,
     wall: Wall,
     rests: Sequence[Sequence[Echo]],
     turn: Sequence[Echo],
@@ -138,8 +136,8 @@ def fit(
     `filed`: where y counts. `way_sd`: of the way between rests by odometry, as a share of it.
     """
     spread = _spread(rests)
-    axis = _axis(filed, model, wall, turn, spread)
-    rows = [_row(echoes, filed, model, wall, axis, spread) for echoes in rests]
+    axis = _axis(filed, wall, turn, spread)
+    rows = [_row(echoes, filed, wall, axis, spread) for echoes in rests]
     tape = TAPE_SD / math.sqrt(2.0)
     prior = [[0.0, 0.0, 1.0 / tape, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0 / max(way_sd, 1e-4), 0.0]]
     table = np.array([*rows, *prior])
@@ -151,7 +149,7 @@ def fit(
     off = float(np.abs(design @ solved - wanted).max())
     x_sd, scale_sd = np.sqrt(np.diag(np.linalg.inv(normal)))[:2]
     x, scale = float(solved[0]), float(solved[1])
-    bounds = bounds_of(SensorPose)["scale"]
+    bounds = bounds_of(Ultrasonic)["scale"]
     for is_wrong, why in (
         (off > _MISFIT, "its distances do not grow as the robot drives; is something beside the wall, or on it?"),
         (
@@ -188,9 +186,7 @@ def _spread(rests: Sequence[Sequence[Echo]]) -> float:
     return spread
 
 
-def _row(
-    echoes: Sequence[Echo], filed: SensorPose, model: UltrasonicModel, wall: Wall, axis: _Axis, spread: float
-) -> list[float]:
+def _row(echoes: Sequence[Echo], filed: Ultrasonic, wall: Wall, axis: _Axis, spread: float) -> list[float]:
     """Return one equation of x, scale, the tape's error and the share by which the way is wrong, and its right side."""
     heard = [echo for echo in echoes if echo.range is not None]
     ranges = np.array([echo.range for echo in heard])
@@ -199,7 +195,7 @@ def _row(
         raise UntoldError("its ranges at rest are of several distances; see what else it hears")
     distance = float(np.mean([wall.distance_from(echo.at) for echo in heard]))
     turned = float(np.mean([_wrapped(echo.at.yaw - wall.heading) for echo in heard]))
-    longer = 1.0 + axis.bend * max(0.0, abs(math.remainder(turned + axis.yaw, math.tau)) - model.half_cone) ** 2
+    longer = 1.0 + axis.bend * max(0.0, abs(math.remainder(turned + axis.yaw, math.tau)) - filed.half_cone) ** 2
     sd = math.hypot(spread / math.sqrt(float(kept.sum())), 0.001)
     row = [
         longer * math.cos(turned),
@@ -211,14 +207,14 @@ def _row(
     return [value / sd for value in row]
 
 
-def _axis(filed: SensorPose, model: UltrasonicModel, wall: Wall, turn: Sequence[Echo], spread: float) -> _Axis:
+def _axis(filed: Ultrasonic, wall: Wall, turn: Sequence[Echo], spread: float) -> _Axis:
     """Return the axis about which the echoes of a turn are symmetrical. Raises UntoldError."""
     turned = np.array([_wrapped(echo.at.yaw - wall.heading) for echo in turn])
     ranges = np.array([math.nan if echo.range is None else echo.range for echo in turn])
     square = np.array([wall.distance_from(echo.at) for echo in turn])
     square += filed.y * np.sin(turned) - filed.x * np.cos(turned)
     incidence = np.abs(_wrapped(turned + filed.yaw))
-    core = np.isfinite(ranges) & (incidence < model.half_cone)
+    core = np.isfinite(ranges) & (incidence < filed.half_cone)
     if core.sum() < FEWEST:
         raise UntoldError(f"only {core.sum()} echoes came while it looked at the wall; check it, or take a bare wall")
     square += float(np.median((ranges - square)[core]))
@@ -231,7 +227,7 @@ def _axis(filed: SensorPose, model: UltrasonicModel, wall: Wall, turn: Sequence[
         raise UntoldError(f"it hears something nearer than the wall, to the {side}; clear it away")
     rough = _wrapped(turned)
     yaws = filed.yaw + np.arange(-_SEARCHED, _SEARCHED, _STEP)
-    shapes = [_shape(_wrapped(rough + yaw), ranges, square, heard, model, spread) for yaw in yaws]
+    shapes = [_shape(_wrapped(rough + yaw), ranges, square, heard, filed.half_cone, spread) for yaw in yaws]
     sides = np.array([_sides(_wrapped(rough + yaw), heard) for yaw in yaws])
     likelihood = np.array([shape[0] for shape in shapes])
     alike = likelihood + sides.sum(axis=1).max(axis=1)
@@ -261,11 +257,11 @@ def _shape(
     ranges: Floats,
     square: Floats,
     heard: npt.NDArray[np.bool_],
-    model: UltrasonicModel,
+    half_cone: float,
     spread: float,
 ) -> tuple[float, float]:
     """Return how likely the heard ranges are if the axis is so, and the bend that fits best."""
-    beyond = np.maximum(0.0, np.abs(incidence[heard]) - model.half_cone) ** 2 * square[heard]
+    beyond = np.maximum(0.0, np.abs(incidence[heard]) - half_cone) ** 2 * square[heard]
     off = ranges[heard] - square[heard]
     centred = beyond - beyond.mean()
     size = float(centred @ centred)

@@ -1,14 +1,15 @@
 """Leads a person and the robot before a wall: distances by tape, rests on the way, a slow turn both ways."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple, Protocol
 
 import msgspec
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
-from giraff_core.robot import RobotConfig, SensorPose
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.motion import Move, Step, Turn
 from giraff_setup.ultrasonic.fit import Echo, SensorFit, UntoldError, Wall, fit, wall_of
 from giraff_tools.terminal.human import Human, agrees
@@ -68,7 +69,7 @@ class Stand(Protocol):
 class Measured(NamedTuple):
     """The outcome of one sensor."""
 
-    filed: SensorPose
+    filed: Ultrasonic
     """The robot file's, with y and z as the person has typed them."""
     found: SensorFit | None
     """None: it stays as it is."""
@@ -78,11 +79,11 @@ class Measured(NamedTuple):
 
 def measure(human: Human, stand: Stand, robot: RobotConfig, pings: int = PINGS) -> dict[str, Measured]:
     """Measure all ultrasonic sensors of the robot. Raises StoppedError and NobodyError."""
-    sides = {ahead: [name for name, pose in robot.sensors.items() if looks(pose) is ahead] for ahead in (True, False)}
-    filed = {name: pose for name, pose in robot.sensors.items() if looks(pose) is not None}
+    sensors = robot.of(Ultrasonic)
+    filed = {name: pose for name, pose in sensors.items() if looks(pose) is not None}
     measured = {
         name: Measured(pose, None, "it looks aside, and no wall is there")
-        for name, pose in robot.sensors.items()
+        for name, pose in sensors.items()
         if name not in filed
     }
     if not robot.calibration.date:
@@ -94,7 +95,7 @@ def measure(human: Human, stand: Stand, robot: RobotConfig, pings: int = PINGS) 
         raise StoppedError("no ultrasonic sensor of the robot file looks ahead or back; correct [robot.sensors]")
     human.show(INTRODUCTION)
     filed = {name: _ruled(human, stand, name, pose) for name, pose in filed.items()}
-    robot = msgspec.structs.replace(robot, sensors=filed)
+    sides = {way: {name: pose for name, pose in filed.items() if looks(pose) is way} for way in (True, False)}
     wall = _ask_wall(human, stand, robot, ahead=True)
     back, turn = LEG * LEGS, math.degrees(_SWING)
     then = (
@@ -107,25 +108,25 @@ def measure(human: Human, stand: Stand, robot: RobotConfig, pings: int = PINGS) 
     ):
         raise StoppedError("not begun; clear the way, then call it again")
     if sides[True]:
-        measured |= _measure_side(human, stand, robot, sides[True], wall, pings, ahead=True)
+        measured |= _measure_side(human, stand, sides[True], wall, pings, ahead=True)
     else:
         _perform(human, stand, [Move(distance=-back)], "It backs.")
     if sides[False]:
         _perform(human, stand, [Turn(angle=math.pi)], "It turns round.")
         expected = wall.distance_from(stand.place())
         wall = _ask_wall(human, stand, robot, ahead=False, expected=expected)
-        measured |= _measure_side(human, stand, robot, sides[False], wall, pings, ahead=False)
+        measured |= _measure_side(human, stand, sides[False], wall, pings, ahead=False)
     return measured
 
 
-def looks(pose: SensorPose) -> bool | None:
+def looks(pose: Ultrasonic) -> bool | None:
     """Return True of a sensor that looks ahead, False of one that looks back, None of others."""
     yaw = abs(math.remainder(pose.yaw, math.tau))
     return True if yaw < _ASIDE else False if yaw > math.pi - _ASIDE else None
 
 
 def _measure_side(
-    human: Human, stand: Stand, robot: RobotConfig, names: Sequence[str], wall: Wall, pings: int, *, ahead: bool
+    human: Human, stand: Stand, sensors: Mapping[str, Ultrasonic], wall: Wall, pings: int, *, ahead: bool
 ) -> dict[str, Measured]:
     """Rest, drive away from the wall or back to it, and turn at the far end."""
     rests, turn, way_sd = [], list[Echo](), 0.0
@@ -133,9 +134,9 @@ def _measure_side(
         if leg:
             result, _ = _perform(human, stand, [Move(distance=-LEG)], "It backs.")
             way_sd = max(way_sd, result.standard_deviations[0] / LEG)
-        human.show(f"It listens for {pings} pings of {', '.join(names)}.")
+        human.show(f"It listens for {pings} pings of {', '.join(sensors)}.")
         before = stand.place()
-        rests.append(stand.listen(names, pings))
+        rests.append(stand.listen(list(sensors), pings))
         after = stand.place()
         turned = math.remainder(after.yaw - before.yaw, math.tau)
         if math.hypot(after.x - before.x, after.y - before.y) > _AT_REST or abs(turned) > _AT_REST_YAW:
@@ -143,11 +144,10 @@ def _measure_side(
         if leg == (LEGS if ahead else 0):
             _, turn = _perform(human, stand, _SWINGS, "It turns to either side.")
     measured = {}
-    for name in names:
-        pose = robot.sensors[name]
+    for name, pose in sensors.items():
         own: list[list[Echo]] = [[echo for echo in echoes if echo.sensor == name] for echoes in (*rests, turn)]
         try:
-            measured[name] = Measured(pose, fit(pose, robot.model(name), wall, own[:-1], own[-1], way_sd))
+            measured[name] = Measured(pose, fit(pose, wall, own[:-1], own[-1], way_sd))
         except UntoldError as error:
             measured[name] = Measured(pose, None, str(error))
     return measured
@@ -158,7 +158,7 @@ def _perform(human: Human, stand: Stand, steps: Sequence[Step], words: str) -> t
     return stand.perform(steps)
 
 
-def _ruled(human: Human, stand: Stand, name: str, pose: SensorPose) -> SensorPose:
+def _ruled(human: Human, stand: Stand, name: str, pose: Ultrasonic) -> Ultrasonic:
     """Ask for y and z of a sensor, by ruler."""
     y = _ask(
         human, stand, f"{name}: m left of the robot's middle line, right negative; ENTER keeps {pose.y:g}:", pose.y

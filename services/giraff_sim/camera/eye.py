@@ -5,7 +5,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_sim.camera.textures import Index, Single, level_of
 from giraff_sim.world.room import Pose
 

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_sim.camera.scene import Lens
 
 Array = NDArray[np.float64]

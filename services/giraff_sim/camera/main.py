@@ -19,7 +19,7 @@ import msgspec
 from giraff_camera.config import CameraConfig, camera_of
 from giraff_camera.device.raw_frames import Header, Wanted
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_node.process.c_library import keep_freed_memory
 from giraff_node.process.logs import service_logger

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_sim.camera.eye import FARTHEST, Eye, View, at, view_from
 from giraff_sim.camera.lens import dirt, rays, turned
 from giraff_sim.camera.paper import WHITE, board_seen, lay, sheet_seen

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from giraff_core.robot import SensorPose
+from giraff_core.senses import Ultrasonic
 from giraff_maps.room_file import Point
 from giraff_schemas.wire import ECHO_US_PER_M
 from giraff_sim.config import SimConfig
@@ -72,7 +72,7 @@ class Sonar:
     """One sensor on the robot."""
 
     def __init__(
-        self, mount: SensorPose, room: Room, sim: SimConfig, seed: str, noise: float = 0.0, scale: float = 1.0
+        self, mount: Ultrasonic, room: Room, sim: SimConfig, seed: str, noise: float = 0.0, scale: float = 1.0
     ) -> None:
         """`mount`: where it truly sits and looks; `noise`: m, standard deviation of a range; `scale`: m there for
         each metre of echo."""
@@ -243,7 +243,7 @@ class Sonar:
 
 
 def sonars(
-    mounts: Mapping[str, SensorPose], room: Room, sim: SimConfig, seed: int, truth: Truth = EXACT
+    mounts: Mapping[str, Ultrasonic], room: Room, sim: SimConfig, seed: int, truth: Truth = EXACT
 ) -> dict[int, Sonar]:
     """The robot's sensors by their number on the ranger board; `mounts`: where they are believed to be."""
     made = {}

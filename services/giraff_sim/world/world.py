@@ -4,7 +4,8 @@ import math
 from typing import Final
 
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Bumper as MountedBumper
+from giraff_core.senses import Bumper as MountedBumper
+from giraff_core.senses import Ultrasonic
 from giraff_sim.board import Board
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
@@ -77,8 +78,9 @@ class World:
         if self.plant.clearance < 0.0:
             radius = robot.footprint_radius
             raise RoomError(f"room {room.name!r}: the robot, a disc of {radius:g} m, does not fit at its start")
-        self.sonars = sonars(robot.sensors, room, sim, seed, truth)
-        self.bumpers = {mount.index: Bumper(mount, robot.footprint_radius, room) for mount in robot.bumpers.values()}
+        self.sonars = sonars(robot.of(Ultrasonic), room, sim, seed, truth)
+        mounts = robot.of(MountedBumper).values()
+        self.bumpers = {mount.index: Bumper(mount, robot.footprint_radius, room) for mount in mounts}
         """By their number on the ranger board."""
         self.hand = hand
         self._tremor = Tremor(sim.hand_tremor, seed)

@@ -31,7 +31,7 @@ from tests.support.examples import HALL, first_of_the_page
 from tests.support.locating import locating
 from tests.support.map_poses import LOST
 from tests.support.process_robot import ProcessRobot, process_robot
-from tests.support.robots import ROBOT
+from tests.support.robots import ULTRASONIC
 from tests.support.waiting import wait
 
 
@@ -273,7 +273,7 @@ def test_its_links_end_when_they_are_dead(script: Robot) -> None:
 
 def test_it_knows_where_a_sensor_was(script: Robot) -> None:
     then = script.odom()
-    rear = ROBOT.sensors["rear"]
+    rear = ULTRASONIC["rear"]
     found = script.wait_for("odom", "range_rear_link", then.tick, timeout=PATIENCE)
     assert (found.parent, found.child, found.tick) == ("odom", "range_rear_link", then.tick)
     assert math.dist((found.x, found.y), (then.x, then.y)) == pytest.approx(-rear.x, abs=0.02)

@@ -16,7 +16,7 @@ from tests.functional.one_robot.answers import Holds, Scene, answers, document, 
 from tests.support.desk import Desk, Done
 from tests.support.elsewhere import GIRAFF, line_that
 from tests.support.process_robot import SERVICES, ProcessRobot
-from tests.support.robots import ROBOT
+from tests.support.robots import ULTRASONIC
 from tests.support.talker import INSTANCE, talker
 from tests.support.terminals import screen
 
@@ -75,7 +75,7 @@ def threads_of(pid: int) -> list[str]:
     return [name.read_text().strip() for name in Path(f"/proc/{pid}/task").glob("*/comm")]
 
 
-FRAMES: Final = 1 + len(ROBOT.sensors) + 1
+FRAMES: Final = 1 + len(ULTRASONIC) + 1
 """In others: the robot, its sensors, its laser."""
 ASKED: Final[Mapping[str, Holds]] = {
     "node list --json": in_json(are_well),
@@ -195,7 +195,7 @@ def test_the_tree_goes_from_odom_to_the_sensors(told: Mapping[str, Done]) -> Non
         True,
     )
     assert (places["base_link"]["parent"], places["base_link"]["fixed"]) == ("odom", False)
-    for sensor, pose in ROBOT.sensors.items():
+    for sensor, pose in ULTRASONIC.items():
         frame = places[f"range_{sensor}_link"]
         assert (frame["parent"], frame["fixed"]) == ("base_link", True)
         assert (frame["x"], frame["y"], frame["yaw"]) == pytest.approx((pose.x, pose.y, pose.yaw))

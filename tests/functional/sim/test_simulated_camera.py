@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from giraff_camera.device.raw_frames import Header, Wanted
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_sim.camera.main import CameraServer, SimulatedCamera
 from giraff_sim.camera.scene import Scene
 from giraff_sim.control.client import SimulatorClient

@@ -36,7 +36,7 @@ from giraff_sim.world.room import Pose
 from giraff_sim.world.sonar import SonarFault
 from tests.loop.localization import floors
 from tests.loop.localization.floors import FILES, Cell, Differences, Floor, Rectangle, floor, start_at
-from tests.support.robots import DRIVE, ROBOT
+from tests.support.robots import DRIVE, ROBOT, ULTRASONIC
 from tests.support.wheels import wheels_of
 
 _KEPT: Final = BUILD / "localization"
@@ -150,7 +150,7 @@ class _Run:
         self._kidnapped_at: float | None = None
 
     def drive(self) -> Drive:
-        names = {mount.index: name for name, mount in ROBOT.sensors.items()}
+        names = {mount.index: name for name, mount in ULTRASONIC.items()}
         kidnap = self._variation.kidnapped_after + self._seed % 7
         now, pings = 0, 0
         while self._plant.path_length < self._variation.metres:

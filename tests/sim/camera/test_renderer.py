@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_sim.camera.lens import rays, resized
 from giraff_sim.camera.renderer import Renderer
 from giraff_sim.camera.scene import Board, Lens, Scene, Shadow, Sheet, Walker

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from giraff_camera.device.image import DeviceError, cv2
 from giraff_camera.device.v4l2 import V4l2Camera
 from giraff_core.picture.header import HeaderError, read_jpeg
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_setup.camera.picture import UnusableError, decode
 from giraff_vision.policy import grey_of
 from tests.support.jpegs import END, FRAMES, before_tables, bomb, frame, jpeg_of, segment

@@ -8,13 +8,13 @@ import numpy as np
 from giraff_camera.config import CameraConfig
 from giraff_camera.device.image import Image
 from giraff_camera.service import Camera
-from giraff_core.sensors import Camera as CameraModel
+from giraff_core.senses import Camera as CameraModel
 from giraff_schemas.camera import HOLD_ENDS, CameraHold
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE
 from giraff_schemas.trouble import NO_TROUBLE
 from tests.support.robots import ROBOT
 
-WITH_CAMERA = msgspec.structs.replace(ROBOT, cameras={"head": CameraModel(x=0.0, z=1.0)})
+WITH_CAMERA = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"head": CameraModel(x=0.0, z=1.0)})
 
 
 class Desk:

@@ -6,7 +6,7 @@ from typing import Any
 from giraff_cli.run.telemetry import RunTelemetry, Truth
 from giraff_core.estop.latch import SEE_THAT_IT_MAY
 from giraff_core.kinematics.pose import Pose
-from giraff_core.sensors import ULTRASONIC
+from giraff_core.senses import Ultrasonic
 from giraff_schemas import topics
 from giraff_schemas.camera import Asker, CameraState, VisualOdometry
 from giraff_schemas.codec import stamped
@@ -142,7 +142,7 @@ def guard(forward: DirectionLimit) -> GuardState:
         turn_right=verdict(),
         operator="hand",
         reason=forward.reason,
-        sensors=dict.fromkeys(SENSORS, SensorState(type=ULTRASONIC)),
+        sensors=dict.fromkeys(SENSORS, SensorState(type=Ultrasonic.type_name())),
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from giraff_cli.doctor.findings import findings
 from giraff_cli.doctor.robot import CountedTelemetry, rates_of
 from giraff_cli.watch.screen import missing
-from giraff_core.sensors import BUMPER
+from giraff_core.senses import Bumper
 from giraff_schemas import topics
 from giraff_schemas.messages import GuardState, SensorState
 from tests.unit.cli.samples import MS, Network, base, guard, odometry, verdict, wheels
@@ -17,7 +17,7 @@ from tests.unit.cli.test_findings import HEALTHY, ROBOT
 
 STOCK: Final = guard(verdict())
 BLIND: Final = msgspec.structs.replace(STOCK, sensors={})
-BUMPED: Final = msgspec.structs.replace(BLIND, sensors={"front": SensorState(type=BUMPER)})
+BUMPED: Final = msgspec.structs.replace(BLIND, sensors={"front": SensorState(type=Bumper.type_name())})
 MISSED: Final = "giraff_ranger is not running, or hangs: the robot is blind, and guard stops it"
 
 

@@ -15,6 +15,7 @@ from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.run.commands import run
 from giraff_cli.run.plan import Options, Plan, PlanError, choose_boards, make_plan
+from giraff_core.senses import Camera
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import load
@@ -66,7 +67,7 @@ def test_the_defaults_make_a_run() -> None:
 
 def test_a_camera_is_simulated_where_the_robot_file_has_one() -> None:
     assert plan().camera == ""
-    assert plan(camera=True).camera in plan().robot.cameras
+    assert plan(camera=True).camera in plan().robot.of(Camera)
     with pytest.raises(PlanError, match="--camera: the robot file has no camera"):
         plan(camera=True, file=ARDROS)
 

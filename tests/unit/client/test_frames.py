@@ -27,11 +27,11 @@ from giraff_schemas.frames import Transform
 from giraff_schemas.localization import LocalizationState
 from giraff_schemas.messages import Odometry, RobotTime
 from tests.support.map_poses import map_pose
-from tests.support.robots import ROBOT
+from tests.support.robots import ULTRASONIC
 from tests.unit.cli import samples
 
 S = 1_000_000_000
-REAR = ROBOT.sensors["rear"].transform("rear")
+REAR = ULTRASONIC["rear"].transform("rear")
 LASER = msgspec.structs.replace(REAR, child="laser", z=0.226)
 
 

@@ -20,7 +20,7 @@ from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, ODOM_SET_POSE, POSE, RANGE, TICK, Topic, key_of
 from giraff_schemas.trouble import Trouble
 from tests.support.map_poses import LOST, map_pose
-from tests.support.robots import ROBOT
+from tests.support.robots import ULTRASONIC
 from tests.unit.cli import samples
 
 
@@ -291,7 +291,7 @@ def test_a_pose_that_is_not_set_says_why(network: Network, robot: Robot) -> None
 
 
 def test_a_frame_is_looked_up_where_the_robot_is(network: Network, robot: Robot) -> None:
-    network.answer = ROBOT.sensors["rear"].transform("rear")
+    network.answer = ULTRASONIC["rear"].transform("rear")
     network.say(ODOM, odometry(1.0, 0), after=0.1)
     found = robot.lookup("odom", "range_rear_link")
     assert (found.parent, found.child, found.x, found.tick) == ("odom", "range_rear_link", 0.75, robot.odom().tick)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import RobotTime
+from tests.support.robots import ULTRASONIC
 from tests.unit.guard.senses import CONFIG, EPOCH, FAR, FRONT, ROBOT, Senses
 
 STEP = 0.002  # s
@@ -65,7 +66,7 @@ class Approach:
             since = (self.time % TICK) + TICK
             tick = RobotTime(epoch=EPOCH, robot_ns=self.senses.robot_ns - round(since * 1e9))
             for name in FRONT:
-                pose = ROBOT.sensors[name]
+                pose = ULTRASONIC[name]
                 away = self.wall - pose.x * math.cos(self.incidence) - pose.y * math.sin(self.incidence)
                 distance = away / math.cos(max(0.0, abs(self.incidence) - HALF_CONE))
                 self._echoes.append((self.time + self.delay, name, distance, tick))

@@ -4,12 +4,14 @@ import msgspec
 import pytest
 
 from giraff_core.live import Live
-from giraff_core.sensors import Bumper
+from giraff_core.senses import Bumper, UnknownSensor
 from giraff_guard.obstacles import Obstacles
+from giraff_guard.policy import HEARD, numbers_unheard
 from giraff_schemas.bumper import Bump
+from tests.support import robots
 from tests.unit.guard.senses import CONFIG, ROBOT, Senses, opened
 
-BUMPED = msgspec.structs.replace(ROBOT, bumpers={"front": Bumper(index=0, way="forward")})
+BUMPED = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"front": Bumper(index=0, way="forward")})
 
 
 def bump(senses: Senses, *, pressed: bool, age: float = 0.0) -> bool:
@@ -141,6 +143,12 @@ def test_what_drives_its_way_relies_on_it() -> None:
 
 
 def test_a_sensor_of_a_type_that_nobody_knows_is_never_passed_over() -> None:
-    robot = msgspec.structs.replace(ROBOT, unknown_sensors={"nose": "bumber"})
+    robot = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"nose": UnknownSensor(named="bumber")})
     with pytest.raises(ValueError, match=r"sensors.nose\] is of the type 'bumber', .* known are: bumper, camera, "):
         Obstacles(Live(CONFIG), robot)
+
+
+def test_what_was_heard_is_numbered_by_type_and_then_by_name() -> None:
+    robot = msgspec.structs.replace(ROBOT, sensors=dict(reversed(robots.BUMPED.sensors.items())))
+    numbered = [f"sensor {name}" for name in ("front_left", "front_right", "rear", "back", "front")]
+    assert list(numbers_unheard(robot)) == [*HEARD, *numbered]

@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from giraff_core.sensors import HC_SR04
+from giraff_core.senses import HC_SR04
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load
 

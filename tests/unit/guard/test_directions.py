@@ -5,7 +5,7 @@ import math
 import msgspec
 import pytest
 
-from giraff_core.robot import SensorPose
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DirectionLimit
 from giraff_schemas.trouble import NO_TROUBLE
@@ -311,16 +311,16 @@ def test_turning_is_not_driving(senses: Senses) -> None:
 @pytest.mark.parametrize(
     ("pose", "ways"),
     [
-        (SensorPose(index=0, x=0.25, y=0.0, yaw=0.0), {"forward"}),
-        (SensorPose(index=0, x=0.25, y=0.0, yaw=0.7), {"forward"}),
-        (SensorPose(index=0, x=0.25, y=0.0, yaw=-0.7), {"forward"}),
-        (SensorPose(index=0, x=-0.25, y=0.0, yaw=math.pi), {"backward"}),
-        (SensorPose(index=0, x=-0.25, y=0.0, yaw=-math.pi + 0.5), {"backward"}),
-        (SensorPose(index=0, x=0.0, y=0.2, yaw=math.pi / 2), set()),
-        (SensorPose(index=0, x=0.25, y=0.0, yaw=0.85), set()),
+        (Ultrasonic(index=0, x=0.25, y=0.0, yaw=0.0), {"forward"}),
+        (Ultrasonic(index=0, x=0.25, y=0.0, yaw=0.7), {"forward"}),
+        (Ultrasonic(index=0, x=0.25, y=0.0, yaw=-0.7), {"forward"}),
+        (Ultrasonic(index=0, x=-0.25, y=0.0, yaw=math.pi), {"backward"}),
+        (Ultrasonic(index=0, x=-0.25, y=0.0, yaw=-math.pi + 0.5), {"backward"}),
+        (Ultrasonic(index=0, x=0.0, y=0.2, yaw=math.pi / 2), set()),
+        (Ultrasonic(index=0, x=0.25, y=0.0, yaw=0.85), set()),
     ],
 )
-def test_a_sensor_speaks_for_the_way_it_looks(pose: SensorPose, ways: set[str]) -> None:
+def test_a_sensor_speaks_for_the_way_it_looks(pose: Ultrasonic, ways: set[str]) -> None:
     senses = Senses(msgspec.structs.replace(ROBOT, sensors={"only": pose}))
     assert {way for way in ("forward", "backward") if senses.verdict(way).clearance == "blocked"} == ways
 
@@ -336,7 +336,7 @@ def stopping_room(senses: Senses, way: str = "forward") -> float:
     [(0.25, 0.0, 0.25), (-0.25, math.pi, 0.25), (-0.1, 0.0, -0.1), (0.1, math.pi, -0.1), (0.0, 0.0, 0.0)],
 )
 def test_distance_counts_from_where_the_sensor_sits(x: float, yaw: float, offset: float) -> None:
-    only = {"only": SensorPose(index=0, x=x, y=0.0, yaw=yaw)}
+    only = {"only": Ultrasonic(index=0, x=x, y=0.0, yaw=yaw)}
     senses = opened(msgspec.structs.replace(ROBOT, sensors=only), HEAD_ON)
     senses.hear(0.7 - offset)
     # The obstacle is 0.7 m from base_link each time: 0.4 m from the footprint, 0.15 m beyond the margin.
@@ -349,7 +349,7 @@ def test_a_sensor_that_looks_askew_counts_from_where_it_sits(x: float, y: float,
     """A wall at 25 degrees to either side, whose echo came from the near edge of the cone."""
     if (x * math.cos(yaw) + y * math.sin(yaw)) < 0.0:
         x, y = -x, -y
-    senses = opened(msgspec.structs.replace(ROBOT, sensors={"only": SensorPose(index=0, x=x, y=y, yaw=yaw)}))
+    senses = opened(msgspec.structs.replace(ROBOT, sensors={"only": Ultrasonic(index=0, x=x, y=y, yaw=yaw)}))
     senses.hear(0.6)
     normals = (yaw + math.radians(25.0), yaw - math.radians(25.0))
     walls = [x * math.cos(normal) + y * math.sin(normal) + 0.6 * math.cos(math.radians(17.5)) for normal in normals]
@@ -376,7 +376,7 @@ def test_distance_counts_to_the_footprint_of_this_robot(
     [((0.15,), True), ((-0.15,), True), ((0.0,), False), ((0.15, -0.15), False), ((0.15, 0.1), True)],
 )
 def test_a_sensor_aside_is_charged_for_the_side_where_no_other_looks(offsets: tuple[float, ...], charged: bool) -> None:
-    sensors = {f"s{i}": SensorPose(index=i, x=0.25, y=y, yaw=0.0) for i, y in enumerate(offsets)}
+    sensors = {f"s{i}": Ultrasonic(index=i, x=0.25, y=y, yaw=0.0) for i, y in enumerate(offsets)}
     senses = opened(msgspec.structs.replace(ROBOT, sensors=sensors))
     senses.hear(0.5)
     least = 0.5 * math.cos(math.radians(17.5)) + 0.25 * math.cos(math.radians(25)) - 0.3 - 0.25

@@ -5,6 +5,7 @@ import math
 import msgspec
 import pytest
 
+from giraff_core.senses import Ultrasonic
 from giraff_guard.motion import LEVEL, Lean, RecentTravel
 from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_guard.ultrasonic.source import UltrasonicSource
@@ -47,7 +48,7 @@ def test_a_range_is_the_level_way_from_where_the_sensor_is_on_an_upright_robot(w
 
 
 def test_what_may_be_the_floor_is_no_obstacle_and_no_proof() -> None:
-    sensor = TALL.sensors["front_left"]
+    sensor = TALL.of(Ultrasonic)["front_left"]
     height = PIVOT + (HEIGHT - PIVOT) * math.cos(LEAN) - sensor.x * math.sin(LEAN)
     floor = height / math.sin(LEAN + math.radians(7.5))
     for distance in (floor + 0.01, None):

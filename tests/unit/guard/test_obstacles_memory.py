@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
-from giraff_core.robot import SensorPose
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import until_touch
 from giraff_guard.motion import RecentTravel
@@ -148,7 +148,7 @@ def test_what_is_old_does_not_hide_what_is_new() -> None:
     now = RobotTime(epoch=EPOCH, robot_ns=round((CONFIG.memory_block + 1.0) * 1e9))
     forward = UltrasonicDirection("forward", limits(), [])
     assert forward.judge(motion, echoes, now).allowed == CONFIG.creep_linear  # no sensor of its own
-    other = Sensor("other", SensorPose(index=1, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
+    other = Sensor("other", Ultrasonic(index=1, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for _ in range(3):
         echoes.on_ping(other, Ping(now.robot_ns, 0.85, True, Pose(0.0, 0.05, 0.0)), 0.4)
     judged = forward.judge(motion, echoes, now)
@@ -273,7 +273,7 @@ PLACES = st.builds(Pose, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.
 @settings(max_examples=100, deadline=None)
 @given(
     pose=st.builds(
-        SensorPose, index=st.just(0), x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), yaw=st.floats(-3.1, 3.1)
+        Ultrasonic, index=st.just(0), x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), yaw=st.floats(-3.1, 3.1)
     ),
     distance=st.floats(0.1, 1.2),
     heard_from=PLACES,
@@ -283,7 +283,7 @@ PLACES = st.builds(Pose, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.
     radius=st.sampled_from([0.2, 0.3, 0.45]),
 )
 def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
-    pose: SensorPose,
+    pose: Ultrasonic,
     distance: float,
     heard_from: Pose,
     place: Pose,
@@ -321,7 +321,7 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
 
 def hear(echoes: Echoes, distance: float, *, name: str = "only", y: float = 0.0) -> None:
     """Three times the same, ahead of the robot's middle, from `y` m beside the beginning."""
-    sensor = Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
+    sensor = Sensor(name, Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for robot_ns in range(3):
         echoes.on_ping(sensor, Ping(robot_ns, distance, True, Pose(0.0, y, 0.0)), 0.0)
 
@@ -340,7 +340,7 @@ def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -
 def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
     echoes = Echoes(limits(0.3))
     for number in range(4):
-        sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
+        sensor = Sensor(f"sensor {number % 2}", Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
         echoes.on_ping(sensor, Ping(number, 0.6, True, Pose(0.0, 0.0, 0.0)), 0.0)
     assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 

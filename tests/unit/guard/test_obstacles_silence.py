@@ -7,14 +7,14 @@ import pytest
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
-from giraff_core.robot import SensorPose
-from giraff_core.sensors import HC_SR04
+from giraff_core.senses import HC_SR04, Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.limits import DriveDirection
 from giraff_guard.stopping import stopping_distance
 from giraff_guard.ultrasonic.held import RecentObstacles
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
+from tests.support.robots import ULTRASONIC
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, limits, opened
 
 FULL = ROBOT.max_wheel_speed
@@ -173,7 +173,7 @@ def test_what_is_so_far_away_is_left_to_the_fading_trust(distance: float) -> Non
     senses.linear = 0.25
     senses.cycle(None, cycles=round(1.9 / 0.25 / CYCLE))
     assert ("heard something until lately" in str(senses.verdict().reason)) is (distance < CONFIG.silent_range)
-    sensor = ROBOT.sensors["front_left"]
+    sensor = ULTRASONIC["front_left"]
     assert CONFIG.silent_range + sensor.x - ROBOT.footprint_radius > CONFIG.trust_end_travel
 
 
@@ -249,7 +249,7 @@ def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True, way: DriveDire
 
 
 def named(name: str) -> Sensor:
-    return Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
+    return Sensor(name, Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
 
 
 @pytest.mark.parametrize(

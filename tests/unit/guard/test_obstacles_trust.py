@@ -8,11 +8,11 @@ import pytest
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
-from giraff_core.robot import SensorPose
-from giraff_core.sensors import UltrasonicModel
+from giraff_core.senses import Ultrasonic
 from giraff_guard.ultrasonic.sensor import Sensor
 from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.trouble import NO_TROUBLE
+from tests.support.robots import ULTRASONIC
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, ROBOT, Senses, echoes_of, opened
 
 
@@ -36,7 +36,8 @@ def test_silence_of_a_proven_sensor_counts_for_its_reach(senses: Senses, bounded
     if bounded_by == "[guard]":
         config = msgspec.structs.replace(config, reach=0.5)
     else:
-        robot = msgspec.structs.replace(ROBOT, models=dict.fromkeys(ROBOT.sensors, UltrasonicModel(reach=0.5)))
+        sensors = {name: msgspec.structs.replace(each, reach=0.5) for name, each in ULTRASONIC.items()}
+        robot = msgspec.structs.replace(ROBOT, sensors=sensors)
     short = opened(robot, config, distance=0.45)
     short.cycle(None, cycles=5)
     assert short.verdict().clearance in ("slow", "creep")
@@ -297,7 +298,7 @@ def test_what_is_remembered_has_an_end(senses: Senses) -> None:
 @pytest.mark.parametrize("yaw", [0.0, math.pi])
 def test_a_reading_follows_from_the_one_before_along_its_sensors_axis(yaw: float) -> None:
     """The robot has driven 0.5 m forward: towards what is ahead, and away from what is behind."""
-    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=yaw), Live(CONFIG))
+    sensor = Sensor("only", Ultrasonic(index=0, x=0.0, y=0.0, yaw=yaw), Live(CONFIG))
     before = Ping(0, 1.5, True, Pose(0.0, 0.0, 0.0))
     expected = 1.0 if yaw == 0.0 else 2.0
     compared = [
@@ -308,7 +309,7 @@ def test_a_reading_follows_from_the_one_before_along_its_sensors_axis(yaw: float
 
 @pytest.mark.parametrize("turned", [0.2, -0.2])
 def test_a_slanted_wall_may_come_nearer_or_go_while_the_robot_turns(turned: float) -> None:
-    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
+    sensor = Sensor("only", Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     before = Ping(0, 2.0, True, Pose(0.0, 0.0, 0.0))
     for distance, nearer_or_farther in ((1.7, -1), (2.3, 1)):
         assert sensor._compare(before, Ping(1, distance, True, Pose(0.0, 0.0, 0.0))) == nearer_or_farther

@@ -3,7 +3,7 @@
 import msgspec
 import pytest
 
-from giraff_core.sensors import Bumper
+from giraff_core.senses import Bumper
 from giraff_guard.stopping import stopping_distance
 from giraff_schemas.bumper import Bump
 from tests.unit.guard.senses import CONFIG, FAR, Senses, opened, raised, robot_with
@@ -54,7 +54,9 @@ def test_what_is_not_known_behind_is_a_reason_to_creep() -> None:
 
 
 def test_a_bumper_that_is_pushed_behind_blocks_and_one_that_is_not_heard_creeps() -> None:
-    senses = opened(msgspec.structs.replace(ROBOT, bumpers={"back": Bumper(index=0, way="backward")}), BALANCER)
+    senses = opened(
+        msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"back": Bumper(index=0, way="backward")}), BALANCER
+    )
     assert senses.allowed() == BALANCER.creep_linear
     for pressed, allowed in ((False, ROBOT.max_wheel_speed), (True, 0.0)):
         senses.obstacles.on_sensed(Bump(sensor="back", pressed=pressed, tick=senses.now), senses.now)

@@ -15,7 +15,7 @@ from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.localization import LocalizationGlobal, LocalizationSetPose, MapPose
 from giraff_schemas.messages import Range, RobotTime
 from giraff_schemas.trouble import Trouble
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 from tests.unit.localization.rooms import CONFIG, ROOM, echo, floor, odometry
 
 ORIGIN = Pose(0.0, 0.0, 0.0)
@@ -59,7 +59,7 @@ class Robot:
             self.odom = self.odom.moved(0.02, 0.02 * turn)
             self.tell()
             if self.hears and step % 2 == 0:
-                for sensor, mount in ROBOT.sensors.items():
+                for sensor, mount in ULTRASONIC.items():
                     place = Pose(mount.x, mount.y, mount.yaw).placed_in(self.pose)
                     self.policy.on_range(echo(sensor, self.seconds, heard(place)))
             work(self.policy)

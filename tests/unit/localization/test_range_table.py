@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.sensors import HC_SR04, UltrasonicModel
+from giraff_core.senses import HC_SR04
 from giraff_localization import range_table
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.floor import Floor
 from giraff_localization.free_space import Floats
 from giraff_localization.range_table import CLEAR, SLANTED, SOLID
 from giraff_maps.floor_plan import FloorPlan, MapError
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 from tests.unit.localization.rooms import ROOM, floor, outline
 
 MIDDLE = (2.475, 1.525)
@@ -138,9 +138,10 @@ def test_a_map_of_another_scale_is_refused(scale: float, words: str) -> None:
 
 
 def test_sensors_that_differ_take_one_figure_for_all() -> None:
-    robot = msgspec.structs.replace(ROBOT, models={"rear": UltrasonicModel(reach=2.0)})
+    short = {name: msgspec.structs.replace(each, reach=2.0) for name, each in ULTRASONIC.items()}
+    robot = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"rear": short["rear"]})
     with pytest.raises(MapError, match=r"differ.*set reach, half_cone and incidence of \[localization\]"):
         Floor(ROOM, LocalizationConfig(), robot)
     assert Floor(ROOM, LocalizationConfig(reach=3.0), robot).reach == 3.0
-    alike = msgspec.structs.replace(ROBOT, models=dict.fromkeys(ROBOT.sensors, UltrasonicModel(reach=2.0)))
+    alike = msgspec.structs.replace(ROBOT, sensors=short)
     assert Floor(ROOM, LocalizationConfig(), alike).reach == 2.0

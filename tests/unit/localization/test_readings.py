@@ -7,7 +7,7 @@ import pytest
 from giraff_localization.range_table import BIN, CLEAR
 from giraff_localization.readings import Readings
 from giraff_localization.track import Track
-from tests.support.robots import ROBOT
+from tests.support.robots import ULTRASONIC
 from tests.unit.localization.rooms import echo, odometry
 
 REACH = 4.0
@@ -22,7 +22,7 @@ def driven(metres: float = 0.1) -> Track:
 
 
 def readings() -> Readings:
-    return Readings(ROBOT.sensors, REACH, BIN)
+    return Readings(ULTRASONIC, REACH, BIN)
 
 
 def test_a_reading_is_seen_from_where_the_robot_is_now() -> None:
@@ -30,7 +30,7 @@ def test_a_reading_is_seen_from_where_the_robot_is_now() -> None:
     heard.on_range(echo("rear", 1.5, 1.0))
     heard.place(way)
     [beam] = heard.pop_beams(way.pose, 0.1)
-    mount = ROBOT.sensors["rear"]
+    mount = ULTRASONIC["rear"]
     assert (beam.x, beam.y) == pytest.approx((mount.x - 0.05, mount.y))
     assert abs(math.remainder(beam.yaw - mount.yaw, math.tau)) < 1e-9
     assert beam.reading == pytest.approx(1.0 / BIN, abs=1)
@@ -47,7 +47,7 @@ def test_nothing_within_reach_is_clear(distance: float | None) -> None:
 
 def test_the_readings_of_one_sensor_share_one_weight() -> None:
     heard, way = readings(), driven()
-    for count, sensor in enumerate(ROBOT.sensors, 1):
+    for count, sensor in enumerate(ULTRASONIC, 1):
         for number in range(count):
             heard.on_range(echo(sensor, 1.2 + number / 10.0, 1.0))
     heard.place(way)

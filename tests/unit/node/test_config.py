@@ -10,6 +10,7 @@ from giraff_base.config import BaseConfig
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import Target, resolve_target
@@ -172,7 +173,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path, content: bytes) -> No
 def test_the_robot_file_of_the_tree_is_sound() -> None:
     given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
     robot = load("robot", RobotConfig, given)
-    assert set(robot.sensors) == {"front_left", "front_right", "rear"}
+    assert set(robot.of(Ultrasonic)) == {"front_left", "front_right", "rear"}
     assert load("network", NetworkConfig, given).rendezvous == "127.0.0.1:7447"
 
 

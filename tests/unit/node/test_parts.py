@@ -82,7 +82,7 @@ def test_a_sensor_may_be_tilted_and_still_looks_ahead(tmp_path: Path) -> None:
     tilted = DEPLOYED.replace("index = 2", "index = 2\nz = 0.4\nroll = 3.0\npitch = -0.2", 1)
     path = tmp_path / "robot.toml"
     path.write_text(tilted)
-    rear = load("robot", RobotConfig, {"GIRAFF_CONFIG": str(path)}).sensors["rear"].transform("rear")
+    rear = load("robot", RobotConfig, {"GIRAFF_CONFIG": str(path)}).sensor_transforms["rear"]
     assert (rear.child, rear.z, rear.roll, rear.pitch, rear.yaw) == ("range_rear_link", 0.4, 3.0, -0.2, math.pi)
     path.write_text(tilted.replace("pitch = -0.2", "pitch = -20"))
     with pytest.raises(ConfigError, match=r"pitch is -20: it must be within -π/4\.\.π/4 rad; are these degrees\?"):

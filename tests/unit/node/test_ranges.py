@@ -12,8 +12,8 @@ from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import SpeedControl, WheelsConfig
 from giraff_core.bounds import Bounds, bounds_of
 from giraff_core.kinematics.parts import PartPose
-from giraff_core.robot import RobotConfig, SensorPose
-from giraff_core.sensors import Camera, by_type
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import Camera, Ultrasonic, typed
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
@@ -52,11 +52,11 @@ def convert(table: str, **fields: object) -> msgspec.Struct:
     for name in table.split("."):
         values = values.get(name, {})
     if table == "robot":
-        values = by_type(values)
+        values = typed(values)
     return msgspec.convert({**values, **fields}, TABLES[table], strict=False)
 
 
-@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, Camera, PartPose, SpeedControl, TruthRanges])
+@pytest.mark.parametrize("config", [*TABLES.values(), Ultrasonic, Camera, PartPose, SpeedControl, TruthRanges])
 def test_each_number_has_a_range(config: type[msgspec.Struct]) -> None:
     hints = get_type_hints(config)
     numbers = {name for name, hint in hints.items() if hint in (int, float, float | None)}
@@ -150,7 +150,7 @@ def test_a_sensible_robot_is_not_refused(fields: dict[str, float]) -> None:
 
 @pytest.mark.parametrize("yaw", [3.1416, -3.1416, 4.712389, 2 * math.pi])
 def test_a_rounded_half_turn_is_one(yaw: float) -> None:
-    assert SensorPose(index=0, x=-0.25, y=0.0, yaw=yaw).yaw == yaw
+    assert Ultrasonic(index=0, x=-0.25, y=0.0, yaw=yaw).yaw == yaw
 
 
 @pytest.mark.parametrize(

@@ -17,10 +17,11 @@ from giraff_schemas.messages import Odometry as Pose
 from giraff_schemas.messages import Range, RangeState, RobotTime
 from giraff_schemas.requests import EchoMap, OdomEchoes, OdomReset
 from giraff_schemas.topics import ODOM_ECHOES, ODOM_RESET, RANGE, WHEELS
+from tests.support.robots import ULTRASONIC
 from tests.unit.odometry.robots import BOOTED_S, PERIOD_US, ROBOT, wheels
 
 EPOCH = 3
-LEFT = ROBOT.sensor_poses["front_left"]
+LEFT = ULTRASONIC["front_left"]
 
 
 def pose(at_ms: int, x: float, yaw: float = 0.0, jumps: int = 0) -> Pose:
@@ -49,7 +50,7 @@ def echo(at_ms: int, distance: float | None, sensor: str = "front_left") -> Rang
 @pytest.fixture
 def echoes() -> Echoes:
     """A robot has driven 0.5 m ahead within 500 ms."""
-    kept = Echoes(ROBOT.sensor_poses)
+    kept = Echoes(ULTRASONIC)
     for ms in range(0, 501, 10):
         kept.on_odometry(pose(ms, ms / 1000))
     return kept
@@ -58,7 +59,7 @@ def echoes() -> Echoes:
 def test_an_echo_is_placed_where_the_robot_was_when_it_was_measured(echoes: Echoes) -> None:
     assert echoes.add(echo(200, 1.0))
     assert not echoes.add(echo(200, 1.0)), "it is no other cell"
-    x, y = LEFT[0] + 0.2 + 1.0, LEFT[1]
+    x, y = LEFT.x + 0.2 + 1.0, LEFT.y
     assert echoes.points == [pytest.approx((x, y), abs=CELL / 2)]
 
 
@@ -85,14 +86,14 @@ def test_memory_and_answer_are_bounded_and_the_oldest_goes(echoes: Echoes) -> No
     kept = echoes.map("one")
     assert len(kept.columns) == MOST_CELLS
     assert kept.columns[-1] - kept.columns[0] == MOST_CELLS - 1
-    assert min(kept.columns) == round(LEFT[0] / CELL) + 10
+    assert min(kept.columns) == round(LEFT.x / CELL) + 10
     assert len(encode(kept)) < 32_000
 
 
 def test_cells_of_another_frame_are_not_taken(echoes: Echoes) -> None:
     echoes.add(echo(200, 1.0))
     earlier = echoes.map("one")
-    late = Echoes(ROBOT.sensor_poses)
+    late = Echoes(ULTRASONIC)
     assert not late.join(earlier), "nothing is known of the frame as yet"
     late.on_odometry(pose(900, 0.5))
     assert not late.join(msgspec.structs.replace(earlier, jumps=1))
@@ -121,7 +122,7 @@ def test_odometry_keeps_echoes_and_answers_who_asks() -> None:
     inboxes[RANGE.key].accept(heard)
     kept = answer(ODOM_ECHOES, OdomEchoes(by="ann"))
     assert (kept.instance, kept.jumps, len(kept.columns)) == ("one", 0, 1)
-    assert kept.columns[0] * CELL == pytest.approx(LEFT[0] + 0.05 + 1.0, abs=CELL / 2)
+    assert kept.columns[0] * CELL == pytest.approx(LEFT.x + 0.05 + 1.0, abs=CELL / 2)
     answer(ODOM_RESET, OdomReset(by="ann", id=1))
     inboxes[WHEELS.key].accept(wheels(220, 220, 11 * PERIOD_US))
     kept = answer(ODOM_ECHOES, OdomEchoes(by="ann"))
@@ -130,7 +131,7 @@ def test_odometry_keeps_echoes_and_answers_who_asks() -> None:
 
 def test_an_echo_from_beyond_every_room_is_none() -> None:
     """One such reading ended a view, and an answer that no integer holds ended odometry's turn."""
-    echoes = Echoes(ROBOT.sensor_poses)
+    echoes = Echoes(ULTRASONIC)
     echoes.on_odometry(pose(0, 0.0))
     assert [echoes.add(echo(0, distance)) for distance in (1e19, 1e308)] == [False, False]
     assert echoes.points == []

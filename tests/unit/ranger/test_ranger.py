@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_core.robot import RobotConfig, SensorPose
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_node.config.robot_file import load
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
@@ -23,8 +24,8 @@ from tests.support.robots import BUMPED
 ROBOT = msgspec.structs.replace(
     load("robot", RobotConfig, {"GIRAFF_CONFIG": str(Path(__file__).parents[3] / "deploy" / "robot.toml")}),
     sensors={
-        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
-        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=3.14),
+        "front_left": Ultrasonic(index=0, x=0.25, y=0.15, yaw=0.0),
+        "rear": Ultrasonic(index=2, x=-0.25, y=0.0, yaw=3.14),
     },
 )
 

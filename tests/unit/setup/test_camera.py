@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import msgspec
 import pytest
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.camera import Picture
 from giraff_setup.camera.board import View, find_board, missing
 from giraff_setup.camera.calibrate import guide, measure_folder, measure_live

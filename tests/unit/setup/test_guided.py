@@ -12,7 +12,7 @@ import pytest
 
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import by_type
+from giraff_core.senses import typed
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import simulated_name
 from giraff_setup.wheels.odometry.calibrate import guide
@@ -36,7 +36,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def table(path: Path) -> dict[str, Any]:
-    return by_type(tomllib.loads(path.read_text(encoding="utf-8"))["robot"])
+    return typed(tomllib.loads(path.read_text(encoding="utf-8"))["robot"])
 
 
 def guided(person: Person, taped: TapedRobot, path: Path, robot: str = "giraff") -> int:

@@ -11,8 +11,8 @@ import pytest
 
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
-from giraff_core.robot import RobotConfig, SensorPose
-from giraff_core.sensors import HC_SR04
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import HC_SR04, Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import load
 from giraff_schemas.messages import Lease, Odometry, Range
@@ -26,7 +26,7 @@ from giraff_sim.board import ROOT
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import SonarFault
 from giraff_tools.terminal.human import NobodyError
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 from tests.unit.cli.samples import at, odometry
 from tests.unit.setup.walls import DrawnStand, TapePerson, bare_wall
 
@@ -49,7 +49,7 @@ def require_true(path: Path, filed: RobotConfig, stand: DrawnStand) -> list[str]
     """Compare with the truth what the file says anew; return the sensors of which it does."""
     found = [name for name, entry in sensors_in(path).items() if "scale" in entry]
     for name in found:
-        pose, entry = filed.sensors[name], sensors_in(path)[name]
+        pose, entry = filed.of(Ultrasonic)[name], sensors_in(path)[name]
         x = pose.x + stand.truth.sensor_xs[pose.index]
         yaw = pose.yaw + stand.truth.sensor_yaws[pose.index]
         assert entry["x"] == pytest.approx(x, abs=0.010), name
@@ -169,7 +169,7 @@ def all_farther(stand: DrawnStand, filed: RobotConfig) -> list[bool]:
     truth = stand.truth
     return [
         truth.sensor_xs[pose.index] * math.copysign(1.0, math.cos(pose.yaw)) + truth.sonar_scales[pose.index] > 1.02
-        for pose in filed.sensors.values()
+        for pose in filed.of(Ultrasonic).values()
     ]
 
 
@@ -182,7 +182,7 @@ def told(filed: RobotConfig, name: str, **fields: float) -> str:
 
 def test_farther_needs_a_yes_of_its_own_that_names_the_millimetres() -> None:
     front, rear = (
-        msgspec.structs.replace(ROBOT, sensors={name: SensorPose(index=0, x=x, y=0.0, yaw=yaw)})
+        msgspec.structs.replace(ROBOT, sensors={name: Ultrasonic(index=0, x=x, y=0.0, yaw=yaw)})
         for name, x, yaw in (("front", 0.25, 0.0), ("rear", -0.25, math.pi))
     )
     assert not told(front, "front", x=-0.01, z=0.1)
@@ -194,7 +194,7 @@ def test_farther_needs_a_yes_of_its_own_that_names_the_millimetres() -> None:
     assert not told(ROBOT, "front_left", yaw=-math.radians(5.0))
 
 
-def guard_offset(pose: SensorPose) -> float:
+def guard_offset(pose: Ultrasonic) -> float:
     """Return m that the guard adds to each range."""
     return pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)
 
@@ -204,20 +204,20 @@ def guard_offset(pose: SensorPose) -> float:
 def test_a_sensor_that_looks_or_sits_farther_out_needs_that_yes_too(
     name: str, yaw: float, y: float, farther: int
 ) -> None:
-    before = ROBOT.sensors[name]
+    before = ULTRASONIC[name]
     out = math.copysign(1.0, before.y)
     assert f"1 m {farther} mm farther than now" in told(ROBOT, name, yaw=out * math.radians(yaw), y=out * y)
 
 
 def test_a_sensor_that_is_alone_at_its_side_afterwards_needs_that_yes_too() -> None:
-    outer = msgspec.structs.replace(ROBOT.sensors["front_left"], yaw=0.0, y=0.2, x=0.2)
+    outer = msgspec.structs.replace(ULTRASONIC["front_left"], yaw=0.0, y=0.2, x=0.2)
     inner = msgspec.structs.replace(outer, index=1, y=0.1)
     filed = msgspec.structs.replace(ROBOT, sensors={"outer": outer, "inner": inner})
     assert "With outer so, inner will place an obstacle" in told(filed, "outer", y=-0.1001)
 
 
 def test_a_sensor_that_the_guard_would_no_longer_count_stays_as_it_is() -> None:
-    before = msgspec.structs.replace(ROBOT.sensors["front_left"], yaw=math.radians(44.0))
+    before = msgspec.structs.replace(ULTRASONIC["front_left"], yaw=math.radians(44.0))
     found = SensorFit(x=0.25, x_sd=0.001, scale=1.0, scale_sd=0.001, yaw=math.radians(46.0), yaw_sd=0.01)
     measured = bounded(before, Measured(before, found))
     assert measured.found is None
@@ -229,8 +229,8 @@ def test_without_that_yes_nothing_is_placed_farther(seed: int, tmp_path: Path) -
     path, filed = robot_file(tmp_path)
     drawn = DrawnStand(filed, seed)
     guide(TapePerson(drawn, seed, {_FARTHER: ["no"] * 3}), drawn, filed, path)
-    for name, now in load("robot", RobotConfig, {"GIRAFF_CONFIG": str(path)}).sensors.items():
-        was = filed.sensors[name]
+    for name, now in load("robot", RobotConfig, {"GIRAFF_CONFIG": str(path)}).of(Ultrasonic).items():
+        was = filed.of(Ultrasonic)[name]
         for echo in (0.0, HC_SR04.reach):
             assert guard_offset(now) + now.scale * echo <= guard_offset(was) + was.scale * echo + 0.0006, name
 

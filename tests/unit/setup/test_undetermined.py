@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.motion import Turn
 from giraff_setup.camera.lens import board_corners, fit_lens, lens_of
 from giraff_setup.camera.picture import UnusableError
@@ -17,7 +17,7 @@ from giraff_setup.ultrasonic.fit import fit as fit_sensor
 from giraff_setup.wheels.odometry.fit import UndeterminedError, fit
 from giraff_setup.wheels.odometry.runs import Geometry
 from giraff_setup.wheels.odometry.windows import uncertainty, windows_of
-from tests.support.robots import ROBOT
+from tests.support.robots import ROBOT, ULTRASONIC
 from tests.unit.setup.recorded import NOMINAL, driven, straight
 from tests.unit.setup.walls import DrawnStand
 
@@ -57,7 +57,7 @@ def test_a_line_that_is_measured_ever_better_tells_no_track(noise: float) -> Non
 
 
 def test_rests_at_one_distance_tell_no_place() -> None:
-    name, pose = next((name, pose) for name, pose in ROBOT.sensors.items() if not pose.yaw)
+    name, pose = next((name, pose) for name, pose in ULTRASONIC.items() if not pose.yaw)
     stand = DrawnStand(ROBOT, 1)
     wall = wall_of(stand.place(), stand.taped("left"), stand.taped("right"), ROBOT.track_width, ahead=True)
     rest = stand.listen([name], 30)
@@ -65,7 +65,7 @@ def test_rests_at_one_distance_tell_no_place() -> None:
         echo for echo in stand.perform([Turn(angle=0.6), Turn(angle=-1.2), Turn(angle=0.6)])[1] if echo.sensor == name
     ]
     with pytest.raises(UntoldError, match="all its distances are alike"):
-        fit_sensor(pose, ROBOT.model(name), wall, [rest] * 4, turn, 0.002)
+        fit_sensor(pose, wall, [rest] * 4, turn, 0.002)
 
 
 def test_views_of_one_tilt_tell_no_focal_length() -> None:

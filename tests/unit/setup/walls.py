@@ -8,6 +8,7 @@ from typing import Final, Protocol
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.result import MotionResult
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.motion import Move, Step, Turn
 from giraff_schemas.wire import ECHO_US_PER_M
 from giraff_setup.ultrasonic.fit import Echo
@@ -53,7 +54,8 @@ class DrawnStand:
         self.performed: list[Step] = []
         self._robot, self._way_sd = robot, _WAY_SD[level]
         self._odometry = Pose(3.0, -2.0, 1.0)
-        self.sonars = sonars(robot.sensors, room or bare_wall(self.distance), SimConfig(), seed, self.truth)
+        self._sensors = robot.of(Ultrasonic)
+        self.sonars = sonars(self._sensors, room or bare_wall(self.distance), SimConfig(), seed, self.truth)
 
     def place(self) -> Pose:
         return self._odometry
@@ -77,7 +79,7 @@ class DrawnStand:
                 for _ in range(count):
                     before = self._roll(0.0, step.angle / count)
                     late = before.yaw + (self._odometry.yaw - before.yaw) * (1.0 - _LATE / _CYCLE)
-                    echoes += [self._ping(name, self._odometry._replace(yaw=late)) for name in self._robot.sensors]
+                    echoes += [self._ping(name, self._odometry._replace(yaw=late)) for name in self._sensors]
             elif isinstance(step, Move):
                 for _ in range(20):
                     self._roll(step.distance / 20.0, 0.0)
@@ -96,7 +98,7 @@ class DrawnStand:
         return self.distance - (self.true.x - math.sin(self.true.yaw) * half)
 
     def _ping(self, name: str, odometry: Pose) -> Echo:
-        echo_us = self.sonars[self._robot.sensors[name].index].echo_us(self.true)
+        echo_us = self.sonars[self._sensors[name].index].echo_us(self.true)
         return Echo(name, None if echo_us >= NO_ECHO_US else echo_us / ECHO_US_PER_M, odometry)
 
     def _roll(self, distance: float, turn: float) -> Pose:

@@ -13,7 +13,7 @@ from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_core.operator import Operator, Wish
-from giraff_core.sensors import ULTRASONIC, UltrasonicModel
+from giraff_core.senses import Ultrasonic
 from giraff_schemas import topics
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import GuardState, Range, SensorState, Tick, TruePose
@@ -171,7 +171,7 @@ def test_a_cone_has_the_colour_of_its_state(sample: Range, blocks: bool, later: 
 
 def judged(trouble: str) -> GuardState:
     """The guard's word on a rear sensor."""
-    sensors = {"rear": SensorState(type=ULTRASONIC, trouble=Trouble(trouble))}
+    sensors = {"rear": SensorState(type=Ultrasonic.type_name(), trouble=Trouble(trouble))}
     return msgspec.structs.replace(guard(verdict()), sensors=sensors)
 
 
@@ -193,7 +193,9 @@ def test_silence_that_the_guard_does_not_believe_is_a_doubt() -> None:
 
 
 def test_a_cone_is_as_wide_as_its_sensor_hears_and_reaches_to_the_echo() -> None:
-    robot = msgspec.structs.replace(stock("sim"), models={"rear": UltrasonicModel(half_cone=0.4, reach=2.0)})
+    sensors = stock("sim").sensors
+    rear = msgspec.structs.replace(sensors["rear"], half_cone=0.4, reach=2.0)
+    robot = msgspec.structs.replace(stock("sim"), sensors=sensors | {"rear": rear})
     for sensor, distance, half, length in (
         ("rear", 0.5, 0.4, 0.5),
         ("rear", None, 0.4, 2.0),

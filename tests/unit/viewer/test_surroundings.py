@@ -4,6 +4,7 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.echoes import CELL
+from giraff_core.senses import Ultrasonic
 from giraff_schemas import topics
 from giraff_schemas.requests import EchoMap
 from giraff_viewer.scene import Scene, stock
@@ -48,7 +49,7 @@ def test_echoes_from_before_are_there_at_the_first_pose_and_new_ones_join_them()
     heard = msgspec.structs.replace(reading("front_left", 1.0), tick=at(SECOND))
     scene.on_sample(topics.RANGE, heard, SECOND + 20 * MS)
     dots = dict(scene.update(2 * SECOND))["floor/echoes"].positions.as_arrow_array().to_pylist()
-    sensor = stock("sim").sensors["front_left"]
+    sensor = stock("sim").of(Ultrasonic)["front_left"]
     assert dots == [
         pytest.approx([1.0, 0.0]),
         pytest.approx([-2.0, 0.5]),

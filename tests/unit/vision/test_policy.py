@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.trouble import Trouble

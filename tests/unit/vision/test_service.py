@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from giraff_core.sensors import Camera
+from giraff_core.senses import Camera
 from giraff_schemas.camera import Asker, CameraHold, CameraState, Picture, Step, VisualOdometry
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, ODOM, VISUAL_ODOM
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -19,7 +19,7 @@ from tests.support.robots import ROBOT
 
 _ME: Final = "vision"
 FULL, SMALL, STATE = (each.at("head") for each in (CAMERA, CAMERA_SMALL, CAMERA_STATE))
-ROBOT_SEES: Final = msgspec.structs.replace(ROBOT, cameras={"head": Camera(z=1.0, pitch=0.5)})
+ROBOT_SEES: Final = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"head": Camera(z=1.0, pitch=0.5)})
 
 
 class Desk:

@@ -4,7 +4,7 @@ import msgspec
 import pytest
 
 from giraff_core.estop.request import BY_WORD
-from giraff_core.sensors import HC_SR04, UltrasonicModel
+from giraff_core.senses import HC_SR04
 from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -65,8 +65,8 @@ def test_what_is_not_heard_is_not_shown() -> None:
 
 def test_a_page_draws_the_sensors_that_the_robot_has_as_it_says() -> None:
     first, *others = ROBOT.sensors
-    model = UltrasonicModel(half_cone=0.3, reach=0.8)
-    robot = msgspec.structs.replace(ROBOT, models={first: model})
+    other = msgspec.structs.replace(ROBOT.sensors[first], half_cone=0.3, reach=0.8)
+    robot = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {first: other})
     parts = Picture(robot, is_open=False).sensors
     heard = {name: (part.half_cone, part.reach) for name, part in parts.items()}
     assert heard == {first: (0.3, 0.8)} | dict.fromkeys(others, (HC_SR04.half_cone, HC_SR04.reach))

@@ -5,6 +5,7 @@ from functools import partial
 from random import Random
 from typing import Final
 
+from giraff_core.senses import Bumper, Ultrasonic
 from giraff_schemas.services import SERVICES
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bodies.wheels.body import WheelsBody
@@ -76,7 +77,7 @@ def reset(run: SimulatedRun, chance: Random) -> Course:
 
 @fault(KINDS, weight=3.0, lasts=(0.3, 4.0), calm_after=11.0)
 def sonar(run: SimulatedRun, chance: Random) -> Course:
-    name, pose = chance.choice(tuple(run.loop.settings.robot.sensors.items()))
+    name, pose = chance.choice(tuple(run.loop.settings.robot.of(Ultrasonic).items()))
     sensor = run.loop.simulation.world.sonars[pose.index]
     if not run.claims(sensor):
         return
@@ -93,8 +94,8 @@ def sonar(run: SimulatedRun, chance: Random) -> Course:
 def deaf(run: SimulatedRun, chance: Random) -> Course:
     """Not drawn among the others, but beside them."""
     names = chance.choice((("front_left",), ("front_right",), ("front_left", "front_right"), ("rear",)))
-    sonars = run.loop.simulation.world.sonars
-    sensors = [sonars[run.loop.settings.robot.sensors[name].index] for name in names]
+    sonars, mounts = run.loop.simulation.world.sonars, run.loop.settings.robot.of(Ultrasonic)
+    sensors = [sonars[mounts[name].index] for name in names]
     if not run.claims(*sensors):
         return
     for sensor in sensors:
@@ -107,7 +108,7 @@ def deaf(run: SimulatedRun, chance: Random) -> Course:
 @fault(OF_BUMPERS, weight=0.0, lasts=(0.3, 6.0), calm_after=11.0)
 def bumper(run: SimulatedRun, chance: Random) -> Course:
     """Not drawn among the others, but beside them."""
-    mounted = run.loop.settings.robot.bumpers
+    mounted = run.loop.settings.robot.of(Bumper)
     if not mounted:
         return
     name, mount = chance.choice(tuple(mounted.items()))

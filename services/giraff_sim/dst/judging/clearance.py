@@ -3,6 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Final
 
+from giraff_core.senses import Ultrasonic
 from giraff_sim.dst.judging.lost_near_sensor import LostNearSensor
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.settings import Settings
@@ -29,7 +30,7 @@ class ClearanceCheck:
 
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
-        self._robot = settings.robot
+        self._robot, self._sensors = settings.robot, settings.robot.of(Ultrasonic)
         self._patience_us = _PATIENCE_US + world.body.settles_us
         self._lost_near_sensor = LostNearSensor(world, settings)
         self._refused_us: int | None = None
@@ -88,7 +89,7 @@ class ClearanceCheck:
         )
 
     def _is_proven(self, passed: "Passed", way: float, now_us: int) -> bool:
-        for name, pose in self._robot.sensors.items():
+        for name, pose in self._sensors.items():
             if looks_along(pose, way):
                 heard = passed.ranges.get(name)
                 if heard is None or heard[0].state != "echo" or now_us - heard[1] > _HEARD_US:

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import Ultrasonic
 from giraff_sim.dst.judging.ledger import Ledger, Passed
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.world.body import Demand
@@ -14,7 +15,7 @@ class Explainer:
 
     def __init__(self, ledger: Ledger, robot: RobotConfig, config: BaseConfig) -> None:
         self._ledger = ledger
-        self._robot = robot
+        self._sensors = robot.of(Ultrasonic)
         self._operator_us = round(config.operator_budget * 1e6)
         self._guard_us = round(config.guard_budget * 1e6)
         self._range_us = round(config.range_budget * 1e6)
@@ -66,7 +67,7 @@ class Explainer:
     def _stale_range(self, asked: Demand, passed: Passed, now_us: int) -> str:
         if not asked.goes:
             return ""
-        for name, pose in self._robot.sensors.items():
+        for name, pose in self._sensors.items():
             if not looks_along(pose, asked.linear):
                 continue
             if name not in passed.ranges:

@@ -14,6 +14,7 @@
 
 from typing import Any, Final, NamedTuple
 
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.messages import BaseState, GuardedCommand, Lease
 from giraff_schemas.params import ParamAnswer, ParamSave
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
@@ -64,6 +65,7 @@ class Judge(Ledger):
         self.near = 0.0
         """m driven with something less than half a metre from the body."""
         self._settings = settings
+        self._sensors = settings.robot.of(Ultrasonic)
         self._event_log = event_log
         self._explainer = Explainer(self, settings.robot, settings.base)
         self._obstacles = Obstacles(self._world, settings)
@@ -288,7 +290,7 @@ class Judge(Ledger):
         """A sensor on the way that the operator asks for, unheard since then."""
         if passed.given is None or passed.given.command.linear_x == 0.0:
             return ""
-        for name, pose in self._settings.robot.sensors.items():
+        for name, pose in self._sensors.items():
             looks_there = looks_along(pose, passed.given.command.linear_x)
             if looks_there and name in passed.ranges and passed.ranges[name][1] < before_us:
                 return name

@@ -4,6 +4,7 @@ import math
 from collections import deque
 from typing import Final, NamedTuple
 
+from giraff_core.senses import Ultrasonic
 from giraff_sim.dst.judging.sensors import NewPings, looks_along
 from giraff_sim.settings import Settings
 from giraff_sim.world.room import Pose
@@ -36,7 +37,7 @@ class LostNearSensor:
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
         self._guard = settings.guard
-        self._robot, self._sensors = settings.robot, settings.robot.sensors
+        self._sensors = settings.robot.of(Ultrasonic)
         self._new = NewPings(world, settings.robot)
         self._pings: dict[str, deque[_Ping]] = {name: deque(maxlen=3) for name in self._sensors}
         self._lost: dict[str, _Lost] = {}
@@ -74,7 +75,7 @@ class LostNearSensor:
 
     def _is_away(self, name: str, lost: _Lost, pose: Pose) -> bool:
         away = lost.distance - _nearer(lost.pose, pose, self._sensors[name].yaw)
-        half_cone = self._guard.half_cone or self._robot.model(name).half_cone
+        half_cone = self._guard.half_cone or self._sensors[name].half_cone
         turned = abs(math.remainder(pose.yaw - lost.pose.yaw, math.tau))
         return away >= _LATER * 2.0 * self._guard.touch_distance or turned >= _LATER * 4.0 * half_cone
 

@@ -10,6 +10,7 @@ from collections import defaultdict, deque
 from collections.abc import Mapping
 from typing import Final
 
+from giraff_core.senses import Ultrasonic
 from giraff_schemas.wire import RANGE_SENSORS, RANGE_SLOT_MS
 from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.dst.judging.sensors import NewPings, looks_along
@@ -63,7 +64,7 @@ class Obstacles:
 
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
-        self._robot = settings.robot
+        self._robot, self._sensors = settings.robot, settings.robot.of(Ultrasonic)
         self._deceleration = settings.guard.deceleration or math.inf
         self._new = NewPings(world, settings.robot)
         self._pings: dict[str, deque[_Ping]] = defaultdict(lambda: deque(maxlen=_KEPT))
@@ -91,7 +92,7 @@ class Obstacles:
         speed = self._world.plant.speed
         if abs(speed) <= _SLOW:
             return ""
-        for name, mount in self._robot.sensors.items():
+        for name, mount in self._sensors.items():
             is_deaf = self._world.sonars[mount.index].fault is SonarFault.DEAF
             if not is_deaf or not looks_along(mount, speed):
                 continue
@@ -121,7 +122,7 @@ class Obstacles:
         """What the motors drive at, where `linear` (m/s) is the frame's; empty when nothing is too near."""
         room = self._world.room
         stopping = linear * linear / (2.0 * self._deceleration)
-        for name, mount in self._robot.sensors.items():
+        for name, mount in self._sensors.items():
             if not looks_along(mount, linear):
                 continue
             handed = readings[name]

@@ -19,8 +19,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from giraff_core.kinematics.parts import PartPose
 from giraff_core.latest import LatestSamples
-from giraff_core.robot import RobotConfig, SensorPose
-from giraff_core.sensors import ULTRASONIC, Camera, UltrasonicModel
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import Camera, Ultrasonic
 from giraff_ros2.messages import pose, sensors
 from giraff_ros2.messages.diagnostics import diagnostics
 from giraff_ros2.messages.header import quaternion, stamp
@@ -55,6 +55,7 @@ SINGLES: Final = {
     *("current", "charge", "capacity", "design_capacity", "percentage"),
 }
 """Fields of 32 bits."""
+FRONT: Final = Ultrasonic(index=0, x=0.1, y=0.02, z=0.05, yaw=0.5, half_cone=0.25, reach=3.0)
 ROBOT: Final = RobotConfig(
     name="r<1>",
     track_width=0.2,
@@ -62,9 +63,7 @@ ROBOT: Final = RobotConfig(
     max_wheel_speed=0.5,
     max_angular_speed=2.0,
     footprint_radius=0.15,
-    sensors={"front": SensorPose(index=0, x=0.1, y=0.02, z=0.05, yaw=0.5)},
-    models={"front": UltrasonicModel(half_cone=0.25, reach=3.0)},
-    cameras={"head": Camera(x=0.05, z=0.2)},
+    sensors={"front": FRONT, "head": Camera(x=0.05, z=0.2)},
     frames={"mast": PartPose(z=0.3), "tip": PartPose(parent="mast", x=0.1, yaw=math.pi / 2)},
 )
 
@@ -168,7 +167,7 @@ CASES: Final = [
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         {"pose.pose.position.x": "x", "pose.pose.position.y": "y"},
     ),
-    Case(a_range, lambda sample: sensors.range_reading(sample, ROBOT), "sensor_msgs/msg/Range"),
+    Case(a_range, lambda sample: sensors.range_reading(sample, FRONT), "sensor_msgs/msg/Range"),
     Case(
         a_tilt,
         sensors.imu,
@@ -261,12 +260,12 @@ def test_optical_frame_looks_along_z() -> None:
 
 def test_readings_by_hand() -> None:
     echo = msgspec.structs.replace(a_range(Random(1)), state="echo", range=1.5)
-    message = sensors.range_reading(echo, ROBOT)
+    message = sensors.range_reading(echo, FRONT)
     assert (message.header.frame_id, message.radiation_type, message.range) == ("range_front_link", 0, 1.5)
     assert (message.field_of_view, message.min_range, message.max_range) == (0.5, 0.02, 3.0)
     clear = msgspec.structs.replace(echo, state="clear", range=None)
-    assert sensors.range_reading(clear, ROBOT).range == math.inf
-    assert math.isnan(sensors.range_reading(msgspec.structs.replace(clear, state="fault"), ROBOT).range)
+    assert sensors.range_reading(clear, FRONT).range == math.inf
+    assert math.isnan(sensors.range_reading(msgspec.structs.replace(clear, state="fault"), FRONT).range)
     tilt = Tilt(x=0.0, y=1.0, z=9.8, status="running", tick=None)
     assert (hand := sensors.imu(tilt)) is not None
     assert hand.header.frame_id == "hand_link"
@@ -346,8 +345,8 @@ def test_diagnostics_by_hand() -> None:
             operator="a",
             reason=Trouble("a wall is near"),
             sensors={
-                "front": SensorState(type=ULTRASONIC),
-                "rear": SensorState(type=ULTRASONIC, trouble=Trouble("it is deaf", "clean it")),
+                "front": SensorState(type=Ultrasonic.type_name()),
+                "rear": SensorState(type=Ultrasonic.type_name(), trouble=Trouble("it is deaf", "clean it")),
             },
         ),
         9.9,

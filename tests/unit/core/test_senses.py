@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Bumper, UltrasonicModel
+from giraff_core.senses import HC_SR04, Bumper, Ultrasonic, UnknownSensor
 from giraff_node.config.robot_file import ConfigError, load
 from tests.rules.repository import ROOT
 
@@ -22,20 +23,24 @@ def robot(folder: Path, sensors: str) -> RobotConfig:
 def test_a_sensor_without_a_type_is_an_ultrasonic_one(tmp_path: Path) -> None:
     other = POSE.replace("index = 0", "index = 1")
     found = robot(tmp_path, f"[robot.sensors.a]\n{POSE}[robot.sensors.b]\ntype = 'hc-sr04'\nreach = 2.0\n{other}")
-    assert list(found.sensors) == ["a", "b"]
-    assert found.model("a") == UltrasonicModel()
-    assert found.model("b") == UltrasonicModel(reach=2.0)
+    assert list(found.of(Ultrasonic)) == ["a", "b"]
+    assert found.sensors["a"] == msgspec.structs.replace(HC_SR04, x=0.25)
+    assert found.of(Ultrasonic)["b"].reach == 2.0
 
 
-def test_other_types_have_tables_of_their_own_and_an_unknown_one_is_passed_over(tmp_path: Path) -> None:
+@pytest.mark.parametrize("unknown", ["rplidar", "unknown"])
+def test_each_sensor_is_of_its_type_and_an_unknown_one_is_passed_over(tmp_path: Path, unknown: str) -> None:
     found = robot(
         tmp_path,
         f"[robot.sensors.a]\n{POSE}[robot.sensors.front]\ntype = 'bumper'\nindex = 1\nway = 'forward'\n"
-        "[robot.sensors.laser]\ntype = 'rplidar'\nbaud = 115200\n",
+        f"[robot.sensors.laser]\ntype = '{unknown}'\nbaud = 115200\n",
     )
-    assert list(found.sensors) == ["a"]
-    assert found.bumpers == {"front": Bumper(index=1, way="forward")}
-    assert found.unknown_sensors == {"laser": "rplidar"}
+    assert list(found.of(Ultrasonic)) == ["a"]
+    assert found.of(Bumper) == {"front": Bumper(index=1, way="forward")}
+    assert found.of(UnknownSensor) == {"laser": UnknownSensor(named=unknown)}
+    assert found.sensor_types == {"a": "hc-sr04", "front": "bumper"}
+    assert list(found.sensor_transforms) == ["a"]
+    assert msgspec.convert(msgspec.to_builtins(found), RobotConfig) == found
 
 
 def test_a_robot_file_without_sensors_is_one_of_a_robot_without_any(tmp_path: Path) -> None:
@@ -51,17 +56,14 @@ def test_a_robot_file_without_sensors_is_one_of_a_robot_without_any(tmp_path: Pa
         (f"{POSE}half_cone = 7.5", "half_cone"),
         (f"{POSE}z = -1.0", "z is -1: it must be within 0..2 m; how many metres above the floor is it?"),
         ("type = 'camera'\nz = -1.0", "z is -1: it must be within 0.02..3 m; how high above the floor is its lens?"),
-        (f"{POSE}type = ['bumper']", "the type of the sensor front is .*, which is no text"),
-        (
-            "type = 'bumper'\nindex = 0\nway = 'forward'\n[robot.bumpers.back]\nindex = 1",
-            "bumpers is no table of a file",
-        ),
+        (f"{POSE}type = ['bumper']", "sensors.front.type must be text"),
+        (f"{POSE}[robot.sensors.other]\n{POSE}", r"sensors share an index: \[0, 0\]"),
     ],
 )
 def test_a_mistake_is_told_with_the_sensors_name(tmp_path: Path, entry: str, wrong: str) -> None:
     with pytest.raises(ConfigError, match=wrong) as refused:
         robot(tmp_path, f"[robot.sensors.front]\n{entry}\n")
-    assert "front" in str(refused.value) or "[robot.sensors" in str(refused.value)
+    assert "front" in str(refused.value) or "share" in wrong
 
 
 def test_a_part_of_the_robot_itself_is_not_below_the_floor(tmp_path: Path) -> None:
