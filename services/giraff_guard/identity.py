@@ -1,4 +1,4 @@
-"""Whose samples count: one base, and one ranger for each sensor."""
+"""Whose samples count: one base, and one service for each sensor."""
 
 from typing import Final
 
@@ -6,7 +6,7 @@ import msgspec
 
 from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import Sensed
+from giraff_core.senses import PUBLISHERS, Sensed
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import Attitude, RobotTime, Tick, Wheels
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -73,7 +73,8 @@ class Identity:
         self._silence = config.publisher_timeout
         self._base = BoundPublisher("base", config.publisher_timeout)
         self._sensors = {
-            name: BoundPublisher(f"ranger for {name}", config.publisher_timeout) for name in robot.sensor_types
+            name: BoundPublisher(f"{PUBLISHERS[type_]} for {name}", config.publisher_timeout)
+            for name, type_ in robot.sensor_types.items()
         }
         self._tick: Tick | None = None
         self._report_seqs: dict[type[Wheels | Attitude], int] = {}

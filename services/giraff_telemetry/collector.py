@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from giraff_core.latest import FRESH, Latest, LatestSamples
-from giraff_core.senses import Ultrasonic
+from giraff_core.senses import PUBLISHERS, Ultrasonic
 from giraff_schemas.camera import CameraState
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
@@ -21,7 +21,6 @@ from giraff_schemas.messages import (
     Tilt,
     Wheels,
 )
-from giraff_schemas.services import RANGER
 from giraff_schemas.topics import (
     ATTITUDE,
     BASE,
@@ -91,9 +90,11 @@ class Snapshot:
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """Services that the robot does not need: no ranger where its guard, by the robot file, knows no sensor."""
-        guard = self.guard.sample if self.guard is not None and self.guard.fresh else None
-        return () if guard is None or guard.sensors else (RANGER.name,)
+        """Services that the robot does not need: its guard, by the robot file, knows no sensor that they tell of."""
+        if self.guard is None or not self.guard.fresh:
+            return ()
+        needed = {PUBLISHERS.get(sensor.type) for sensor in self.guard.sample.sensors.values()}
+        return tuple(sorted({*PUBLISHERS.values()} - needed))
 
 
 class _Key:

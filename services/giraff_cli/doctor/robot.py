@@ -9,7 +9,7 @@ import msgspec
 import zenoh
 
 from giraff_cli.doctor.inspection import Geometry, GeometryInUse, HealthReply, Rate, Robot
-from giraff_core.senses import Ultrasonic
+from giraff_core.senses import SENSED, Ultrasonic
 from giraff_node import robot_now_ns
 from giraff_node.network.replies import ask_all
 from giraff_node.network.tcp_options import set_tcp_options
@@ -21,11 +21,9 @@ from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import (
     ATTITUDE,
     BATTERY,
-    BUMPER,
     ODOM,
     OPERATOR_CMD_VEL,
     PARAM_DESCRIBE,
-    RANGE,
     WHEELS,
     Topic,
     covers,
@@ -39,10 +37,11 @@ MAKERS: Final[dict[Topic[Any], str]] = {
     topic: service.name
     for service in SERVICES
     for topic in service.publishes
-    if topic.rate_hz and topic not in (ATTITUDE, BATTERY, BUMPER, OPERATOR_CMD_VEL) and not service.optional
+    if topic in SENSED.values()
+    or (topic.rate_hz and topic not in (ATTITUDE, BATTERY, OPERATOR_CMD_VEL) and not service.optional)
 }
-"""Of what a robot says all the time: not all balance, measure their battery or have bumpers, and nobody need ask to
-drive. Only of a simulated one the truth is known."""
+"""Of what a robot says all the time: not all balance or measure their battery, and nobody need ask to drive. Only of
+a simulated one the truth is known."""
 
 _CONFIGURED: Final = frozenset(service.name for service in SERVICES if service.table)
 """Services that answer for their parameters."""
@@ -173,9 +172,10 @@ def rates_of(listener: CountedTelemetry, now: Snapshot) -> Iterable[Rate]:
     wanted = {topic: topic.rate_hz for topic in MAKERS}
     if now.base is not None and now.base.fresh:
         wanted |= dict.fromkeys((WHEELS, ODOM), 1000.0 / max(1, now.base.sample.board.report_ms))
-    has_ranges = now.guard is None or not now.guard.fresh or now.guard.sample.of_type(Ultrasonic.type_name())
+    guard = now.guard.sample if now.guard is not None and now.guard.fresh else None
+    sensed = {SENSED[each] for each in SENSED if (guard.of_type(each.type_name()) if guard else each is Ultrasonic)}
     for topic, maker in MAKERS.items():
-        if topic == RANGE and not has_ranges:
+        if topic in SENSED.values() and topic not in sensed:
             continue
         for key in [key for key in listener.counts if covers(topic, key)] or [topic.key]:
             yield Rate(

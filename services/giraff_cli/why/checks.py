@@ -7,10 +7,10 @@ import msgspec
 from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.latest import Latest
 from giraff_core.lease import IDLE
-from giraff_core.senses import Ultrasonic
+from giraff_core.senses import PUBLISHERS, Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DirectionLimit, DriveCommand, Range
-from giraff_schemas.services import HANDS, ROS2
+from giraff_schemas.services import HANDS, RANGER, ROS2
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.describe import START_A_HAND, battery_text, posture_text, verdicts
@@ -121,10 +121,11 @@ def ranger(chain: ChainState) -> Link:
     """The ultrasonic sensors. One that is blind stops what relies on it, and limits the rest."""
     readings = {heard.sample.sensor: heard for heard in reversed(chain.observation.of(RANGE))}
     if not readings:
-        is_alive, state = "ranger" in chain.observation.alive, chain.guard
+        is_alive, state = RANGER.name in chain.observation.alive, chain.guard
         if state is None:
             return Link(name="ranger", status="waits", text="the guard, which knows the sensors, is not heard")
-        if not state.sample.of_type(Ultrasonic.type_name()) and (is_alive or not state.sample.sensors):
+        is_needed = any(PUBLISHERS.get(sensor.type) == RANGER.name for sensor in state.sample.sensors.values())
+        if not state.sample.of_type(Ultrasonic.type_name()) and (is_alive or not is_needed):
             return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
         if is_alive:
             return chain.silent("ranger", "ranger")

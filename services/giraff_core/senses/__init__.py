@@ -10,6 +10,7 @@ from giraff_core.senses.bumper import Bumper
 from giraff_core.senses.camera import Camera
 from giraff_core.senses.sense import Sense, Sensed, UnknownSensor
 from giraff_core.senses.ultrasonic import HC_SR04, Ultrasonic
+from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import Topic
 
 __all__ = ["HC_SR04", "Bumper", "Camera", "Sense", "Sensed", "Ultrasonic", "UnknownSensor"]
@@ -21,6 +22,10 @@ SENSES: Final[tuple[type[Sense], ...]] = get_args(KnownSense)
 TYPES: Final = tuple(sorted(sense.type_name() for sense in SENSES))
 SENSED: Final[dict[type[Sense], Topic[Any]]] = {sense: sense.TOPIC for sense in SENSES if sense.TOPIC is not None}
 """Topic of each type that the guard listens to."""
+PUBLISHERS: Final = {
+    sense.type_name(): row.name for sense in SENSED for row in SERVICES if sense.TOPIC in row.publishes
+}
+"""By type, the service that publishes what the guard listens to."""
 
 
 def typed(robot: Mapping[str, Any]) -> dict[str, Any]:

@@ -34,7 +34,7 @@ def examined(sensors: GuardState, report_ms: int, told_ms: int, *, ranger: bool)
         network.send(topics.GUARD, sensors, now)
     seen = listener.snapshot(1500 * MS)
     answers = tuple(each for each in ROBOT.answers if ranger or each.health.service != "ranger")
-    rates = tuple(each for each in rates_of(listener, seen) if each.key in ("wheels", "odom", "range/*"))
+    rates = tuple(each for each in rates_of(listener, seen) if each.key in ("wheels", "odom", "range/*", "bumper/*"))
     robot = msgspec.structs.replace(ROBOT, services=services, answers=answers, unused=seen.unused, rates=rates)
     found = findings(msgspec.structs.replace(HEALTHY, robot=robot))
     return [each.what for each in found], "ranger" in missing(seen)
@@ -47,7 +47,7 @@ def examined(sensors: GuardState, report_ms: int, told_ms: int, *, ranger: bool)
         (BLIND, (15, 15), False, []),
         (BLIND, (15, 10), False, ["wheels comes at 67 Hz instead of 100", "odom comes at 67 Hz instead of 100"]),
         (BLIND, (30, 15), False, ["wheels comes at 33 Hz instead of 67", "odom comes at 33 Hz instead of 67"]),
-        (BUMPED, (10, 10), True, []),
+        (BUMPED, (10, 10), True, ["bumper/* is silent, though giraff_ranger says it is well"]),
         (BUMPED, (10, 10), False, [MISSED]),
         (STOCK, (10, 10), False, [MISSED]),
         (STOCK, (10, 10), True, ["range/* is silent, though giraff_ranger says it is well"]),
