@@ -3,7 +3,6 @@
 import math
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.senses import Ultrasonic
 
 Point = tuple[float, float]
 """x, y in m."""
@@ -12,11 +11,12 @@ Point = tuple[float, float]
 class View:
     """What a sensor looks at, with the robot at `place`."""
 
-    def __init__(self, pose: Ultrasonic, place: Pose) -> None:
+    def __init__(self, mount: Pose, place: Pose) -> None:
+        """`mount`: place and axis of the sensor in `base_link`."""
         cos, sin = math.cos(place.yaw), math.sin(place.yaw)
-        self._x = place.x + cos * pose.x - sin * pose.y
-        self._y = place.y + sin * pose.x + cos * pose.y
-        self._axis = place.yaw + pose.yaw
+        self._x = place.x + cos * mount.x - sin * mount.y
+        self._y = place.y + sin * mount.x + cos * mount.y
+        self._axis = place.yaw + mount.yaw
 
     def point(self, distance: float, off: float) -> Point:
         """The point `distance` m away, `off` rad beside the axis."""

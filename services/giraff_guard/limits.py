@@ -39,6 +39,11 @@ class Limits:
         """m."""
         return self._robot.footprint_radius
 
+    @property
+    def swept_radius(self) -> float:
+        """m from the robot's middle, within which a place that a sensor has seen is in its way."""
+        return self._robot.footprint_radius + self.config.memory_margin
+
     def fastest(self, room: float, old: float = 0.0) -> float:
         """m/s from which the robot stops within `room` m, by what is `old` s old."""
         config = self.config

@@ -10,7 +10,11 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.senses import Sensed
 from giraff_guard.config import GuardConfig
-from giraff_guard.limits import DriveDirection
+from giraff_guard.judge.direction import Direction
+from giraff_guard.judge.memory import Echoes
+from giraff_guard.judge.points import touches
+from giraff_guard.judge.silence import silence
+from giraff_guard.limits import OTHER, SIGN, DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
 from giraff_guard.registry import sources_of
 from giraff_guard.source import Source
@@ -50,6 +54,7 @@ class Obstacles:
         """Raises ValueError for a robot that has a sensor of a type that nobody knows here."""
         self._live = live
         self._robot = robot
+        self._limits = Limits(live, robot)
         self._sources: list[Source] = sources_of(live, robot)
         self._begin()
 
@@ -63,7 +68,12 @@ class Obstacles:
         if source is None:
             return False
         self._motion.update(now)
-        source.on_sample(sample, self._motion, now)
+        self._ticks[sample.sensor] = sample.tick
+        beams = source.on_sample(sample, self._motion, now)
+        for direction in self._directions.values():
+            direction.on_sample(sample.sensor, now if sample.tick is None else sample.tick, beams)
+        for beam in beams if self._motion.heard else ():
+            self._echoes.on_beam(beam, self._motion.travel)
         if self._asked == (0.0, 0.0):
             return False
         self.judge(now)
@@ -77,6 +87,7 @@ class Obstacles:
         breaks = self._motion.breaks
         self._motion.on_wheels(wheels)
         if self._motion.breaks != breaks:
+            self._echoes.clear()
             for source in self._sources:
                 source.lose_place()
         self._motion.update(now)
@@ -103,13 +114,24 @@ class Obstacles:
 
     def troubles(self, now: RobotTime) -> dict[str, Trouble]:
         """Return why a sensor is not trusted, by its name."""
-        motion = self._motion
-        return {name: trouble for source in self._sources for name, trouble in source.troubles(motion, now).items()}
+        budget = self._limits.config.range_budget
+        return {
+            name: silence(name, source.service, self._ticks[name], budget, now)
+            or source.trouble(name, self._motion, now)
+            for source in self._sources
+            for name in source.names
+        }
 
     def judge(self, now: RobotTime) -> Verdicts:
         """The verdict for each direction now."""
         self._motion.update(now)
-        forward, backward = (self._straight(way, now) for way in ("forward", "backward"))
+        self._echoes.forget(now.robot_ns, self._motion.travel)
+        for direction in self._directions.values():
+            direction.update(self._motion, now)
+        forward, backward = (
+            direction.judge(self._directions[OTHER[way]], self._echoes, self._motion, now)
+            for way, direction in self._directions.items()
+        )
         turn = self._turn()
         self._verdicts = Verdicts(
             forward=self._with_remedy("forward", forward, other=backward),
@@ -120,11 +142,14 @@ class Obstacles:
         return self._verdicts
 
     def free_side(self, now: RobotTime) -> Side:
-        """Return the side to which a robot that sits down has room. What no sensor knows to be free is not."""
+        """Return the side to which a robot that sits down has room, as of the last `judge`.
+
+        What no sensor knows to be free is not.
+        """
         room = self._live.config.sit_room
         sides: tuple[Literal["forward", "backward"], ...] = ("forward", "backward")
         for side in sides:
-            if all(each.room(side, self._motion, now) >= room for each in self._sources):
+            if self._directions[side].room(self._echoes, self._motion, now) >= room:
                 return side
         return "none"
 
@@ -153,8 +178,7 @@ class Obstacles:
                 linear, angular = linear * share, angular * share
                 why = why or Trouble(f"this robot drives at {allowed:g} m/s at most")
                 reason = why.of(f"{way} slowed")
-            ticks = [tick for source in self._sources if (tick := source.relied_on(way, now)) is not None]
-            range_tick = min(ticks, key=lambda tick: tick.robot_ns, default=None)
+            range_tick = self._directions[way].relied_on(now)
         if linear == 0.0:
             turn = self._verdicts.turn_left
             if abs(angular) > turn.allowed:
@@ -164,24 +188,30 @@ class Obstacles:
 
     def _begin(self) -> None:
         self._motion = RecentTravel(self._live, self._robot)
+        self._ticks: dict[str, RobotTime | None] = {name: None for source in self._sources for name in source.names}
+        self._echoes = Echoes(self._limits)
+        self._directions = {way: Direction(way, self._limits, self._sources, self._ticks) for way in SIGN}
         self._verdicts = Verdicts(_UNJUDGED, _UNJUDGED, _UNJUDGED, _UNJUDGED)
         self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
         self._passed = Limited(0.0, 0.0, NO_TROUBLE, None)
 
-    def _straight(self, way: DriveDirection, now: RobotTime) -> DirectionLimit:
-        """The strictest."""
-        verdicts = [source.straight(way, self._motion, now) for source in self._sources]
-        return min(verdicts, key=lambda each: each.allowed)
-
     def _turn(self) -> DirectionLimit:
-        free = DirectionLimit(allowed=self._robot.max_angular_speed, clearance="free", sensor="")
-        return min((source.turn(self._motion) or free for source in self._sources), key=lambda each: each.allowed)
+        """Turning in place sweeps nothing beyond the footprint's disc; what touches that is turned past slowly."""
+        creep, largest, place = self._limits.config.creep_angular, self._robot.max_angular_speed, self._motion.place
+        seen = (each for direction in self._directions.values() for each in direction.sights)
+        sensor = self._echoes.touching(place) or next(
+            (sight.sensor for sight in seen if touches(sight, place, self._limits)), ""
+        )
+        if not sensor or creep >= largest:
+            return DirectionLimit(allowed=largest, clearance="free", sensor="")
+        reason = f"{sensor} has seen something that touches the robot's side"
+        return DirectionLimit(allowed=creep, clearance="creep", sensor=sensor, reason=Trouble(reason))
 
     def _with_remedy(self, way: DriveDirection, verdict: DirectionLimit, *, other: DirectionLimit) -> DirectionLimit:
         """A blocked verdict with what the operator can do instead."""
         if verdict.clearance != "blocked":
             return verdict
-        side = next(filter(None, (source.freer_side(way) for source in self._sources)), "")
+        side = self._directions[way].freer_side()
         turn = f"turn {side}".strip()
         remedy = f"{turn} or {_BACK[way]}" if other.allowed > 0.0 else turn
         remedy = ", or ".join(filter(None, (verdict.reason.remedy, remedy)))
@@ -200,9 +230,8 @@ class Obstacles:
     ) -> tuple[float, Trouble]:
         """The speed along a curve and why: a curve sweeps what straight ahead does not."""
         allowed, why = verdict.allowed, verdict.reason
-        for source in self._sources:
-            swept = source.curve(way, curvature, self._motion, now)
-            if swept is not None and swept[0] < allowed:
-                allowed, why = swept
-                allowed = allowed if allowed >= self._live.config.min_speed else 0.0
+        swept = self._directions[way].curve(curvature, self._echoes, self._motion, now)
+        if swept is not None and swept[0] < allowed:
+            allowed, why = swept
+            allowed = allowed if allowed >= self._live.config.min_speed else 0.0
         return allowed, why

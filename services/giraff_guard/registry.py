@@ -1,15 +1,18 @@
 """The guard's senses, by the types of sensors that a robot file may have."""
 
-from typing import Any
+from typing import Any, Final
 
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import SENSED, TYPES, Bumper, UnknownSensor
-from giraff_guard.bumper import BumperSource
+from giraff_core.senses import SENSED, TYPES, UnknownSensor
 from giraff_guard.config import GuardConfig
+from giraff_guard.senses.bumper import BumperSource
+from giraff_guard.senses.ultrasonic.source import UltrasonicSource
 from giraff_guard.source import Source
-from giraff_guard.ultrasonic.source import UltrasonicSource
 from giraff_schemas.topics import Topic
+
+SOURCES: Final[tuple[type[Source], ...]] = (UltrasonicSource, BumperSource)
+"""Of two senses that allow the same, the first one is named."""
 
 
 def sensed_by(robot: RobotConfig) -> list[Topic[Any]]:
@@ -18,10 +21,10 @@ def sensed_by(robot: RobotConfig) -> list[Topic[Any]]:
 
 
 def sources_of(live: Live[GuardConfig], robot: RobotConfig) -> list[Source]:
-    """All of one robot, the one that is named first where two allow the same. Raises ValueError."""
+    """Return those of one robot. Raises ValueError for a sensor of a type that nobody knows here."""
     for name, unknown in robot.of(UnknownSensor).items():
+        known = ", ".join(TYPES)
         raise ValueError(
-            f"[robot.sensors.{name}] is of the type {unknown.named!r}, which the guard does not know; "
-            f"known are: {', '.join(TYPES)}"
+            f"[robot.sensors.{name}] is of the type {unknown.named!r}, which the guard does not know; known are: {known}"
         )
-    return [UltrasonicSource(live, robot), *([BumperSource(live, robot)] if robot.of(Bumper) else [])]
+    return [source(live, robot) for source in SOURCES if robot.of(source.sense)]

@@ -7,9 +7,8 @@ from giraff_core.robot import RobotConfig
 from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.limits import SIGN, Limits
-from giraff_guard.ultrasonic.direction import UltrasonicDirection
-from giraff_guard.ultrasonic.nearest import Nearest
-from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.senses.ultrasonic.facing import Facing
+from giraff_guard.senses.ultrasonic.sensor import Sensor
 
 
 def distances(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, came: float) -> tuple[float, ...]:
@@ -25,9 +24,9 @@ def distances(robot: RobotConfig, name: str, guard: GuardConfig, echo: float, ca
     remembered = min(distance, max(guard.memory_range, guard.silent_range))
     judged = [sensor.offset + distance - came * abs(math.cos(pose.yaw))]
     for way, sign in SIGN.items():
-        looking = UltrasonicDirection(way, limits, list(sensors.values())).sensors
-        if sensor in looking:
-            worst = Nearest(way, limits, looking).gap(sensor, distance)
+        facing = Facing(way, limits, list(sensors.values()))
+        if sensor in facing.sensors:
+            worst = facing.gap(sensor, distance)
             judged += [
                 worst - came * abs(math.cos(pose.yaw)),
                 sign * (pose.x + remembered * math.cos(pose.yaw)),

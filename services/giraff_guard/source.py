@@ -1,68 +1,130 @@
-"""A sense of the guard: what it allows in a direction and why, and how blind it is."""
+"""A sense of the guard: what sensors of one type tell of the way. The judge makes limits of that evidence."""
 
-from collections.abc import Mapping
-from typing import Any, Protocol
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Sequence
+from typing import Any, ClassVar, NamedTuple
 
+from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import PUBLISHERS, SENSED, Sense
+from giraff_guard.config import GuardConfig
+from giraff_guard.geometry import Point
 from giraff_guard.limits import DriveDirection
 from giraff_guard.motion import RecentTravel
-from giraff_schemas.messages import DirectionLimit, RobotTime, Sample
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
-class Source(Protocol):
-    """All sensors of one type. It is pure: what is heard, where the robot is and what time it is are arguments."""
+class Beam(NamedTuple):
+    """One look of a sensor along a line. The judge remembers what answered."""
 
-    @property
-    def takes(self) -> type[Sample]:
-        """What its sensors say."""
-        ...
+    sensor: str
+    mount: Pose
+    """Place and axis of the sensor in `base_link`: m, m, rad."""
+    half_cone: float
+    """rad off the axis from which an answer may come."""
+    robot_ns: int
+    place: Pose
+    """Place of the robot at that moment."""
+    distance: float
+    """m up to which nothing is nearer."""
+    is_echo: bool
+    """Something answered from there."""
+    is_repeated: bool = False
+    """An earlier look shows the same surface."""
+    is_sure: bool = False
+    """The look just before shows it."""
 
-    @property
-    def names(self) -> Mapping[str, object]:
-        """The names of its sensors."""
-        ...
 
-    def on_sample(self, sample: Any, motion: RecentTravel, now: RobotTime) -> None:
-        """A fresh sample of one of its sensors, newer than the last, of the one process that may tell it."""
-        ...
+class Reading(NamedTuple):
+    """How much room one look of a sensor leaves in a direction."""
 
+    gap: float
+    """m between the footprint and what the sensor saw, at the least and at the moment of the look."""
+    came: float
+    """m that the robot has come nearer since."""
+    distance: float
+    """m from the sensor, as a person is told it."""
+    is_echo: bool = True
+    """Something answered. False: nothing is nearer."""
+
+
+class Points(NamedTuple):
+    """Points that a sensor sees now, of which the judge asks what the footprint meets."""
+
+    xy: Sequence[Point]
+    """In the frame of `RecentTravel.place`."""
+    spread: float
+    """m around a point within which the thing itself may be."""
+    place: Pose
+    """Place of the robot at the moment of the look."""
+
+
+class Sight(NamedTuple):
+    """What one sensor tells of one direction."""
+
+    sensor: str
+    blind: Trouble = NO_TROUBLE
+    """Why it tells nothing, which blocks the direction."""
+    touch: Trouble = NO_TROUBLE
+    """Why something may touch the robot there, which blocks the direction."""
+    readings: Sequence[Reading] = ()
+    """Those that count, the newest first."""
+    points: Points | None = None
+    """Instead of `readings`, for a sensor that tells places."""
+    doubt: Trouble = NO_TROUBLE
+    """Why its silence is worth less than an answer."""
+    doubtful_speed: float = math.inf
+    """m/s that its silence allows."""
+    silent_s: float | None = None
+    """s since the last answer of one that hears nothing now and may be deaf; None: it hears, or cannot be deaf."""
+    aside: float = 0.0
+    """m that it sits to the left of the middle."""
+    newest: float | None = None
+    """m of the newest look, by which the freer side is told."""
+
+
+class Source(ABC):
+    """All sensors of one type. It is pure: samples, the robot's travel and the time are arguments."""
+
+    sense: ClassVar[type[Sense]]
+    """Type of its sensors in the robot file."""
+    sees_ahead: ClassVar[bool]
+    """It tells a distance before the robot touches anything. False: it feels a touch, or sees an edge below it."""
+
+    def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
+        self.live = live
+        self.names: Collection[str] = tuple(robot.of(self.sense))
+        """Its sensors."""
+        self.takes = SENSED[self.sense].schema
+        """Sample of its sensors."""
+        self.service = PUBLISHERS[self.sense.type_name()]
+        """Service that publishes the samples."""
+
+    @abstractmethod
+    def covers(self, way: DriveDirection) -> Sequence[str]:
+        """Return the names of the sensors that tell something of a direction. It is always the same."""
+
+    @abstractmethod
+    def on_sample(self, sample: Any, motion: RecentTravel, now: RobotTime) -> Sequence[Beam]:
+        """Take a fresh sample of one sensor, newer than the last. Return what the judge remembers of it."""
+
+    @abstractmethod
+    def sight(self, sensor: str, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> Sight:
+        """Return what a sensor that was heard lately tells of a direction, once a decision."""
+
+    @abstractmethod
+    def trouble(self, sensor: str, motion: RecentTravel, now: RobotTime) -> Trouble:
+        """Return why a sensor that was heard lately does not count, or why its silence does not."""
+
+    @abstractmethod
     def forget(self) -> None:
         """Begin anew, in another epoch of the robot's clock and another frame of its places.
 
-        Nothing has a known age now; what must be moved away from has to be so all the same.
+        Nothing has a known age now. The robot must still move away from what touches it.
         """
-        ...
 
-    def lose_place(self) -> None:
-        """Nobody knows where the robot has come to: the wheels could not be followed."""
-        ...
-
-    def straight(self, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> DirectionLimit:
-        """For driving straight, once a decision. One that is blind blocks its way, or lets the robot creep."""
-        ...
-
-    def curve(
-        self, way: DriveDirection, curvature: float, motion: RecentTravel, now: RobotTime
-    ) -> tuple[float, Trouble] | None:
-        """m/s and why, where a curve (angular_z / linear_x, 1/m) meets what straight ahead does not; None: nowhere."""
-        ...
-
-    def room(self, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> float:
-        """Return m beyond the footprint that are known to be free on this side; 0 where that is not known."""
-        ...
-
-    def turn(self, motion: RecentTravel) -> DirectionLimit | None:
-        """For turning in place; None: nothing is in its way."""
-        ...
-
-    def relied_on(self, way: DriveDirection, now: RobotTime) -> RobotTime | None:
-        """The oldest of the newest moments that driving this way relies on, robot_ns 0 for one that never came."""
-        ...
-
-    def troubles(self, motion: RecentTravel, now: RobotTime) -> dict[str, Trouble]:
-        """By sensor: why it is not trusted."""
-        ...
-
-    def freer_side(self, way: DriveDirection) -> str:
-        """Where a blocked robot may turn to: left, right, or empty."""
-        ...
+    def lose_place(self) -> None:  # noqa: B027  most senses keep no place
+        """Take note that the robot's place is lost: the wheels could not be followed."""

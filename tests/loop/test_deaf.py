@@ -59,7 +59,7 @@ def test_what_a_sensor_heard_now_and_then_before_it_is_deaf_is_touched_slowly(
 
 def test_the_judge_sees_what_a_guard_that_lets_all_pass_touches(monkeypatch: pytest.MonkeyPatch) -> None:
     def all_of_it(guard: Obstacles, linear_x: float, angular_z: float, now: RobotTime) -> Limited:
-        return Limited(linear_x, angular_z, NO_TROUBLE, guard._sources[0].relied_on("forward", now))
+        return Limited(linear_x, angular_z, NO_TROUBLE, guard._directions["forward"].relied_on(now))
 
     monkeypatch.setattr(Obstacles, "limit", all_of_it)
     box, far_wall = run(17).breaks

@@ -18,7 +18,7 @@ VAGUE: Final = re.compile(rf"\bdef _*({'|'.join(MOST)})\(")
 
 EVERYWHERE: Final = SOURCE_ROOTS
 GUARD: Final = ("services/giraff_guard",)
-ULTRASONIC: Final = ("services/giraff_guard/ultrasonic",)
+ULTRASONIC: Final = ("services/giraff_guard/senses/ultrasonic",)
 DRIVES: Final = "services/giraff_base/drive.py", "services/giraff_base/drives"
 DISCOVERY: Final = "services/giraff_node/network/discovery.py", "services/giraff_node/network/consent.py"
 SEGMENTS: Final = (

@@ -7,13 +7,15 @@ from typing import Final
 
 import msgspec
 
+from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import HC_SR04
 from giraff_guard.config import GuardConfig
+from giraff_guard.judge.memory import Echoes
 from giraff_guard.limits import Limits
 from giraff_guard.obstacles import Limited, Obstacles, Verdicts
-from giraff_guard.ultrasonic.memory import Echoes
-from giraff_guard.ultrasonic.source import UltrasonicSource
+from giraff_guard.source import Beam
 from giraff_schemas.messages import Attitude, DirectionLimit, Range, RobotTime, Wheels
 from giraff_schemas.trouble import Trouble
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
@@ -29,6 +31,7 @@ __all__ = [
     "SIDES",
     "Senses",
     "attitude",
+    "beam",
     "opened",
     "raised",
     "robot_with",
@@ -40,6 +43,7 @@ HEIGHT: Final = 0.30  # m of each sensor above the floor
 _TURN: Final = 0.06  # s
 _OPENED: Final[dict[bytes, bytes]] = {}
 """The senses that `opened` has made, by what it was given: many tests begin with the same."""
+ORIGIN: Final = Pose(0.0, 0.0, 0.0)
 SIDES: Final = {"forward": FRONT, "backward": ("rear",)}
 
 
@@ -201,9 +205,14 @@ def opened(robot: RobotConfig = ROBOT, config: GuardConfig = CONFIG, distance: f
 
 def echoes_of(senses: Senses) -> Echoes:
     """What is remembered of what was heard."""
-    (source,) = senses.obstacles._sources
-    assert isinstance(source, UltrasonicSource)
-    return source._echoes
+    return senses.obstacles._echoes
+
+
+def beam(
+    sensor: str, distance: float, place: Pose = ORIGIN, robot_ns: int = 0, *, mount: Pose = ORIGIN, is_sure: bool = True
+) -> Beam:
+    """Return an echo that its sensor has heard before; `is_sure`: the time before."""
+    return Beam(sensor, mount, HC_SR04.half_cone, robot_ns, place, distance, True, True, is_sure)
 
 
 def limits(radius: float = ROBOT.footprint_radius) -> Limits:

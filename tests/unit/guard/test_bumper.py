@@ -18,11 +18,17 @@ def bump(senses: Senses, *, pressed: bool, age: float = 0.0) -> bool:
     return senses.obstacles.on_sensed(Bump(sensor="front", pressed=pressed, tick=senses.ago(age)), senses.now)
 
 
+def let_go() -> Senses:
+    """At rest, and every sensor heard for so long that no way is held back."""
+    senses = opened(BUMPED)
+    drive_on(senses, 0.0, 0.6)
+    return senses
+
+
 @pytest.fixture
 def driving() -> Senses:
     """Forward, with every sensor heard."""
-    senses = opened(BUMPED)
-    bump(senses, pressed=False)
+    senses = let_go()
     assert senses.verdict().clearance == "free"
     senses.linear = 0.3
     senses.asked = (0.3, 0.0)

@@ -12,6 +12,7 @@ CLOSE = 0.38
 
 
 def side(senses: Senses) -> str:
+    senses.judge()
     return senses.obstacles.free_side(senses.now)
 
 

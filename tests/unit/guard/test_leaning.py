@@ -7,8 +7,8 @@ import pytest
 
 from giraff_core.senses import Ultrasonic
 from giraff_guard.motion import LEVEL, Lean, RecentTravel
-from giraff_guard.ultrasonic.silence_trust import Ping
-from giraff_guard.ultrasonic.source import UltrasonicSource
+from giraff_guard.senses.ultrasonic.silence_trust import Ping
+from giraff_guard.senses.ultrasonic.source import UltrasonicSource
 from tests.unit.guard.rig import Rig
 from tests.unit.guard.senses import CONFIG, HEIGHT, PIVOT, ROBOT, SIDES, Senses, attitude, raised
 
@@ -19,7 +19,7 @@ LEAN = math.radians(8.0)
 def heard(senses: Senses, sensor: str = "front_left") -> Ping:
     (source,) = senses.obstacles._sources
     assert isinstance(source, UltrasonicSource)
-    ping = source.names[sensor].newest
+    ping = source._sensors[sensor].newest
     assert ping is not None
     return ping
 

@@ -10,16 +10,13 @@ from hypothesis import strategies as st
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
-from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import until_touch
+from giraff_guard.judge.direction import Direction
+from giraff_guard.judge.memory import Echoes, Obstruction
 from giraff_guard.motion import RecentTravel
-from giraff_guard.ultrasonic.direction import UltrasonicDirection
-from giraff_guard.ultrasonic.memory import Echoes, Obstruction
-from giraff_guard.ultrasonic.sensor import Sensor
-from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.messages import RobotTime
-from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, echoes_of, limits, opened
+from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, beam, echoes_of, limits, opened
 from tests.unit.odometry.robots import wheels
 
 POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
@@ -51,7 +48,7 @@ def test_it_blocks_the_way_it_lies_in() -> None:
     senses = passed_by()
     judged = senses.verdict()
     assert (judged.clearance, judged.sensor) == ("blocked", "front_left")
-    assert judged.reason.what == "front_left has heard something to the left, where no sensor looks now"
+    assert judged.reason.what == "front_left has seen something to the left, where no sensor looks now"
     assert "back up" in judged.reason.remedy
     assert senses.allowed("backward") == 0.6
 
@@ -99,7 +96,7 @@ def test_a_curve_sweeps_what_straight_ahead_does_not() -> None:
     linear, angular = senses.passes(0.5, 1.5)
     assert 0.0 < linear < 0.5
     assert angular / linear == pytest.approx(3.0)
-    assert "this curve sweeps what front_left has heard to the left" in str(senses.limit(0.5, 1.5).reason)
+    assert "this curve sweeps what front_left has seen to the left" in str(senses.limit(0.5, 1.5).reason)
     assert senses.passes(0.5, -1.5)[0] > linear
 
 
@@ -146,12 +143,11 @@ def test_what_is_old_does_not_hide_what_is_new() -> None:
     motion = RecentTravel(Live(CONFIG), ROBOT)
     motion.place = Pose(0.4, 0.0, 0.0)
     now = RobotTime(epoch=EPOCH, robot_ns=round((CONFIG.memory_block + 1.0) * 1e9))
-    forward = UltrasonicDirection("forward", limits(), [])
-    assert forward.judge(motion, echoes, now).allowed == CONFIG.creep_linear  # no sensor of its own
-    other = Sensor("other", Ultrasonic(index=1, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
+    forward = Direction("forward", limits(), [], {})
+    assert forward.judge(forward, echoes, motion, now).allowed == CONFIG.creep_linear  # no sensor of its own
     for _ in range(3):
-        echoes.on_ping(other, Ping(now.robot_ns, 0.85, True, Pose(0.0, 0.05, 0.0)), 0.4)
-    judged = forward.judge(motion, echoes, now)
+        echoes.on_beam(beam("other", 0.85, Pose(0.0, 0.05, 0.0), now.robot_ns), 0.4)
+    judged = forward.judge(forward, echoes, motion, now)
     assert (judged.clearance, judged.sensor) == ("blocked", "other")
 
 
@@ -263,7 +259,7 @@ def test_a_curve_backward_sweeps_the_side_it_turns_to() -> None:
     linear, angular = senses.passes(-0.6, 1.2)
     assert -0.6 < linear < 0.0
     assert angular / linear == pytest.approx(-2.0)
-    assert "this curve sweeps what rear has heard to the right" in str(senses.limit(-0.6, 1.2).reason)
+    assert "this curve sweeps what rear has seen to the right" in str(senses.limit(-0.6, 1.2).reason)
     assert senses.passes(-0.6, -1.2) == (-0.6, -1.2)
 
 
@@ -272,9 +268,7 @@ PLACES = st.builds(Pose, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.
 
 @settings(max_examples=100, deadline=None)
 @given(
-    pose=st.builds(
-        Ultrasonic, index=st.just(0), x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), yaw=st.floats(-3.1, 3.1)
-    ),
+    mount=st.builds(Pose, x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), yaw=st.floats(-3.1, 3.1)),
     distance=st.floats(0.1, 1.2),
     heard_from=PLACES,
     place=PLACES,
@@ -283,7 +277,7 @@ PLACES = st.builds(Pose, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.
     radius=st.sampled_from([0.2, 0.3, 0.45]),
 )
 def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
-    pose: Ultrasonic,
+    mount: Pose,
     distance: float,
     heard_from: Pose,
     place: Pose,
@@ -294,9 +288,9 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
     """Driven in small steps, forward or backward, as odometry reckons."""
     echoes = Echoes(limits(radius))
     for robot_ns in range(3):
-        echoes.on_ping(Sensor("only", pose, Live(CONFIG)), Ping(robot_ns, distance, True, heard_from), 0.0)
-    sits = heard_from.moved(pose.x, 0.0)._replace(yaw=heard_from.yaw + math.pi / 2.0).moved(pose.y, 0.0)
-    x, y, _ = sits._replace(yaw=heard_from.yaw + pose.yaw).moved(distance, 0.0)
+        echoes.on_beam(beam("only", distance, heard_from, robot_ns, mount=mount), 0.0)
+    sits = heard_from.moved(mount.x, 0.0)._replace(yaw=heard_from.yaw + math.pi / 2.0).moved(mount.y, 0.0)
+    x, y, _ = sits._replace(yaw=heard_from.yaw + mount.yaw).moved(distance, 0.0)
 
     def touched_after(reach: float) -> float | None:
         at, step = place, 0.005
@@ -321,9 +315,8 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
 
 def hear(echoes: Echoes, distance: float, *, name: str = "only", y: float = 0.0) -> None:
     """Three times the same, ahead of the robot's middle, from `y` m beside the beginning."""
-    sensor = Sensor(name, Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for robot_ns in range(3):
-        echoes.on_ping(sensor, Ping(robot_ns, distance, True, Pose(0.0, y, 0.0)), 0.0)
+        echoes.on_beam(beam(name, distance, Pose(0.0, y, 0.0), robot_ns), 0.0)
 
 
 @pytest.mark.parametrize("distances", [(0.6, 1.0), (1.0, 0.6)])
@@ -340,8 +333,7 @@ def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -
 def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
     echoes = Echoes(limits(0.3))
     for number in range(4):
-        sensor = Sensor(f"sensor {number % 2}", Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
-        echoes.on_ping(sensor, Ping(number, 0.6, True, Pose(0.0, 0.0, 0.0)), 0.0)
+        echoes.on_beam(beam(f"sensor {number % 2}", 0.6, robot_ns=number), 0.0)
     assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 
 

@@ -6,16 +6,13 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.live import Live
-from giraff_core.senses import HC_SR04, Ultrasonic
+from giraff_core.senses import HC_SR04
 from giraff_guard.config import GuardConfig
+from giraff_guard.judge.recent import RecentObstacles
 from giraff_guard.limits import DriveDirection
 from giraff_guard.stopping import stopping_distance
-from giraff_guard.ultrasonic.held import RecentObstacles
-from giraff_guard.ultrasonic.sensor import Sensor
-from giraff_guard.ultrasonic.silence_trust import Ping
 from tests.support.robots import ULTRASONIC
-from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, limits, opened
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, beam, limits, opened
 
 FULL = ROBOT.max_wheel_speed
 SLOW = CONFIG.untrusted_speed
@@ -244,12 +241,8 @@ def place_after(x: float, y: float, yaw: float) -> Pose:
 def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True, way: DriveDirection = "forward") -> RecentObstacles:
     """One thing that was heard, there."""
     held = RecentObstacles(way, limits())
-    held.add(named("one"), Ping(0, x, True, Pose(0.0, y, 0.0)), is_sure=is_sure)
+    held.on_beam(beam("one", x, Pose(0.0, y, 0.0), is_sure=is_sure))
     return held
-
-
-def named(name: str) -> Sensor:
-    return Sensor(name, Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
 
 
 @pytest.mark.parametrize(
@@ -331,7 +324,7 @@ def test_what_was_heard_now_and_then_counts_ahead_and_not_beside() -> None:
 @pytest.mark.parametrize("is_sure", [True, False])
 def test_what_was_sure_stays_so_when_it_is_heard_now_and_then(is_sure: bool) -> None:
     held = spot(is_sure=is_sure)
-    held.add(named("one"), Ping(10**9, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=False)
+    held.on_beam(beam("one", 1.0, robot_ns=10**9, is_sure=False))
     assert (held.beside(Pose(0.0, 0.0, 0.0)) is not None) is is_sure
     held.forget(round((CONFIG.silent_time + 0.5) * 1e9))
     assert held.beside(Pose(0.0, 0.0, 0.0)) is None
@@ -349,7 +342,7 @@ def test_beside_what_was_heard_now_and_then_the_way_is_free() -> None:
 def test_of_two_the_nearer_is_met_first() -> None:
     held = spot(1.0)
     for x in (0.8, 1.4):
-        held.add(named("two"), Ping(0, x, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
+        held.on_beam(beam("two", x))
     found = held.ahead(Pose(0.0, 0.0, 0.0))
     assert found is not None
     assert found.sensor == "two"
@@ -358,10 +351,9 @@ def test_of_two_the_nearer_is_met_first() -> None:
 
 def test_the_oldest_of_too_many_go_and_one_that_is_heard_again_stays() -> None:
     held = spot(1.0)
-    sensor = named("one")
     for number in range(1000):
-        held.add(sensor, Ping(number, 1.0, True, Pose(float(number), 0.0, math.pi / 2.0)), is_sure=True)
-        held.add(sensor, Ping(number, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
+        held.on_beam(beam("one", 1.0, Pose(float(number), 0.0, math.pi / 2.0), number))
+        held.on_beam(beam("one", 1.0, robot_ns=number))
     assert len(held._spots) == 128
     assert held.ahead(Pose(0.0, 0.0, 0.0)) is not None
     assert held.ahead(Pose(999.0, 0.0, math.pi / 2.0)) is not None

@@ -9,8 +9,8 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.senses import Ultrasonic
-from giraff_guard.ultrasonic.sensor import Sensor
-from giraff_guard.ultrasonic.silence_trust import Ping
+from giraff_guard.senses.ultrasonic.sensor import Sensor
+from giraff_guard.senses.ultrasonic.silence_trust import Ping
 from giraff_schemas.trouble import NO_TROUBLE
 from tests.support.robots import ULTRASONIC
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, ROBOT, Senses, echoes_of, opened

@@ -6,7 +6,7 @@ import pytest
 
 from giraff_core.kinematics.pose import Pose
 from giraff_guard.limits import DriveDirection
-from giraff_guard.ultrasonic.silence_trust import OwnEchoes, Ping
+from giraff_guard.senses.ultrasonic.silence_trust import OwnEchoes, Ping
 from tests.unit.guard.senses import CONFIG, CYCLE, SIDES, Senses
 
 

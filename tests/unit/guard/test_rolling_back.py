@@ -61,7 +61,7 @@ def test_a_bumper_that_is_pushed_behind_blocks_and_one_that_is_not_heard_creeps(
     for pressed, allowed in ((False, ROBOT.max_wheel_speed), (True, 0.0)):
         senses.obstacles.on_sensed(Bump(sensor="back", pressed=pressed, tick=senses.now), senses.now)
         assert senses.allowed() == allowed
-    assert "rolls the robot back first" in str(senses.verdict().reason)
+    assert "would first roll back towards it" in str(senses.verdict().reason)
 
 
 def test_the_way_opens_again_where_there_is_a_little_more_room_behind() -> None:

@@ -9,8 +9,7 @@ import msgspec
 from giraff_core.kinematics.pose import Pose
 from giraff_guard.geometry import Point, View, until_touch
 from giraff_guard.limits import SIGN, DriveDirection, Limits
-from giraff_guard.ultrasonic.sensor import Sensor
-from giraff_guard.ultrasonic.silence_trust import Ping
+from giraff_guard.source import Beam
 from giraff_schemas.messages import DirectionLimit
 from giraff_schemas.trouble import Trouble
 
@@ -40,7 +39,7 @@ class Obstruction(NamedTuple):
     distance: float
     """m along the path until the footprint would touch it."""
     sensor: str
-    """Which has heard it."""
+    """The sensor that has seen it."""
     bearing: float
     """rad from the robot's heading, left positive."""
     is_old: bool
@@ -57,30 +56,30 @@ class Echoes:
     def clear(self) -> None:
         self._echoes.clear()
 
-    def on_ping(self, sensor: Sensor, ping: Ping, travel: float) -> None:
-        """A reading; `travel`: m the robot has come since the beginning.
+    def on_beam(self, beam: Beam, travel: float) -> None:
+        """Take a look of a sensor. `travel`: m the robot has come since the beginning.
 
-        An echo is remembered, and counts once two more came from the same place.
-        What the sensor would hear now, wherever in its cone it was, and does not, is gone at the second reading.
+        An echo is remembered, and counts once two more came from the same place. Two looks that should have met it,
+        wherever in its cone it was, and did not, delete it.
         """
-        view = View(sensor.pose, ping.place)
-        config, half_cone = self._limits.config, sensor.half_cone
+        view = View(beam.mount, beam.place)
+        config, half_cone = self._limits.config, beam.half_cone
         for echo in self._echoes:
-            if all(view.holds(x, y, 1.02 * half_cone, ping.distance - config.range_tolerance) for x, y in echo.ends):
+            if all(view.holds(x, y, 1.02 * half_cone, beam.distance - config.range_tolerance) for x, y in echo.ends):
                 echo.contradicted += 1
         self._echoes = [echo for echo in self._echoes if echo.contradicted < 2][-_MOST:]
-        if not ping.echo or ping.distance > config.memory_range:
+        if not beam.is_echo or beam.distance > config.memory_range:
             return
-        x, y = view.point(ping.distance, 0.0)
-        ends = (view.point(ping.distance, -half_cone), view.point(ping.distance, half_cone))
+        x, y = view.point(beam.distance, 0.0)
+        ends = (view.point(beam.distance, -half_cone), view.point(beam.distance, half_cone))
         seen = 1
         for echo in self._echoes:
-            if echo.sensor == sensor.name and math.hypot(echo.x - x, echo.y - y) < config.range_tolerance:
+            if echo.sensor == beam.sensor and math.hypot(echo.x - x, echo.y - y) < config.range_tolerance:
                 seen = echo.seen + 1
                 self._echoes.remove(echo)
                 break
         self._echoes.append(
-            _Echo(x=x, y=y, sensor=sensor.name, ends=ends, robot_ns=ping.robot_ns, travel=travel, seen=seen)
+            _Echo(x=x, y=y, sensor=beam.sensor, ends=ends, robot_ns=beam.robot_ns, travel=travel, seen=seen)
         )
 
     def forget(self, robot_ns: int, travel: float) -> None:
@@ -99,20 +98,10 @@ class Echoes:
             return []
         limits, allowed = self._limits, self.speed_towards(obstruction)
         side = "left" if obstruction.bearing > 0.0 else "right"
-        reason = Trouble(f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now")
+        reason = Trouble(f"{obstruction.sensor} has seen something to the {side}, where no sensor looks now")
         if allowed < limits.config.min_speed:
             return [limits.block(obstruction.sensor, reason)]
         return [limits.allow(allowed, obstruction.sensor, reason)]
-
-    def curve(self, place: Pose, way: DriveDirection, robot_ns: int, curvature: float) -> tuple[float, Trouble] | None:
-        """m/s at which a curve may be driven, and why; None: it meets nothing."""
-        swept = self.in_the_way(place, way, robot_ns, curvature)
-        obstruction = min(swept, key=self.speed_towards, default=None)
-        if obstruction is None:
-            return None
-        side = "left" if obstruction.bearing > 0.0 else "right"
-        what = f"this curve sweeps what {obstruction.sensor} has heard to the {side}"
-        return self.speed_towards(obstruction), Trouble(what, "turn the other way")
 
     def speed_towards(self, obstruction: Obstruction) -> float:
         """m/s from which the robot stops `margin` before what is remembered; slow at least where that is old.
@@ -132,7 +121,7 @@ class Echoes:
 
         `curvature`: angular_z / linear_x, 1/m: the arc's centre lies 1/curvature to the left, whichever way it goes.
         """
-        sign, reach = SIGN[way], self._reach
+        sign, reach = SIGN[way], self._limits.swept_radius
         for echo in self._echoes:
             if echo.seen < _SURE:
                 continue
@@ -145,11 +134,6 @@ class Echoes:
     def touching(self, place: Pose) -> str:
         """The sensor whose echo lies within the footprint and its margin; empty where none does."""
         for echo in self._echoes:
-            if echo.seen >= _SURE and math.hypot(*place.sees(echo.x, echo.y)) < self._reach:
+            if echo.seen >= _SURE and math.hypot(*place.sees(echo.x, echo.y)) < self._limits.swept_radius:
                 return echo.sensor
         return ""
-
-    @property
-    def _reach(self) -> float:
-        """m from the robot's middle, within which an echo is in its way."""
-        return self._limits.footprint_radius + self._limits.config.memory_margin

@@ -10,9 +10,9 @@ from giraff_core.live import Live
 from giraff_core.senses import Ultrasonic
 from giraff_guard.config import GuardConfig
 from giraff_guard.motion import LEVEL, Lean, RecentTravel
-from giraff_guard.ultrasonic.level import floor_from, level_distance
-from giraff_guard.ultrasonic.self_test import SelfTest
-from giraff_guard.ultrasonic.silence_trust import OwnEchoes, Ping, SilenceTrust
+from giraff_guard.senses.ultrasonic.level import floor_from, level_distance
+from giraff_guard.senses.ultrasonic.self_test import SelfTest
+from giraff_guard.senses.ultrasonic.silence_trust import OwnEchoes, Ping, SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
@@ -26,6 +26,7 @@ class Sensor:
     def __init__(self, name: str, pose: Ultrasonic, live: Live[GuardConfig]) -> None:
         self.name = name
         self.pose = pose
+        self.mount = Pose(pose.x, pose.y, pose.yaw)
         self.offset = pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)
         """m the sensor sits ahead of base_link, along its own axis."""
         self.aside = pose.y * math.cos(pose.yaw) - pose.x * math.sin(pose.yaw)
@@ -58,11 +59,6 @@ class Sensor:
     def reach(self) -> float:
         """m that its `clear` counts for."""
         return min(self._live.config.reach, self.pose.reach)
-
-    @property
-    def tick(self) -> RobotTime | None:
-        """Moment of the newest reading."""
-        return self._reading.tick if self._reading else None
 
     @property
     def newest(self) -> Ping | None:
@@ -109,17 +105,11 @@ class Sensor:
         if both_echoes and follows:
             self.last_confirmed = ping
 
-    def blindness(self, now: RobotTime) -> Trouble:
-        """Why the sensor does not count at all."""
+    def blindness(self) -> Trouble:
+        """Return why a sensor that is heard does not count at all."""
         reading = self._reading
-        if reading is None:
-            return Trouble(f"{self.name} has not been heard yet", "start giraff_ranger")
-        if reading.state == "fault":
+        if reading is not None and reading.state == "fault":
             return reading.reason.of(f"{self.name} is faulty")
-        old = age(reading.tick, now)
-        if old > self._live.config.range_budget:
-            last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
-            return Trouble(f"{self.name} is stale ({last})", "check giraff_ranger and its board")
         if self._unlevelled:
             return self._unlevelled
         if self._self_test.frozen:

@@ -7,9 +7,8 @@ from giraff_core.kinematics.pose import Pose
 from giraff_guard.geometry import Point, View, until_touch
 from giraff_guard.limits import SIGN, DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
-from giraff_guard.ultrasonic.sensor import Sensor
-from giraff_guard.ultrasonic.silence_trust import Ping
-from giraff_schemas.messages import DirectionLimit, RobotTime
+from giraff_guard.source import Beam, Sight
+from giraff_schemas.messages import DirectionLimit
 from giraff_schemas.trouble import Trouble
 
 _MOST: Final = 128
@@ -50,43 +49,42 @@ class RecentObstacles:
         self._limits = limits
         self._spots: list[_Spot] = []
 
-    def add(self, sensor: Sensor, ping: Ping, *, is_sure: bool) -> None:
-        """An echo that its sensor has heard twice. `is_sure`: at one ping and the next."""
+    def on_beam(self, beam: Beam) -> None:
+        """Keep where an echo came from that its sensor has heard twice."""
         config = self._limits.config
-        if ping.distance > config.silent_range:
+        if not beam.is_repeated or beam.distance > config.silent_range:
             return
-        view, half_cone = View(sensor.pose, ping.place), sensor.half_cone
-        points = tuple(view.point(ping.distance, off) for off in (0.0, -half_cone, half_cone))
+        view, half_cone, is_sure = View(beam.mount, beam.place), beam.half_cone, beam.is_sure
+        points = tuple(view.point(beam.distance, off) for off in (0.0, -half_cone, half_cone))
         near = config.range_tolerance
         kept = [spot for spot in self._spots if spot.is_sure > is_sure or math.dist(spot.points[0], points[0]) >= near]
-        self._spots = [*kept[1 - _MOST :], _Spot(points, sensor.name, ping.robot_ns, is_sure)]
+        self._spots = [*kept[1 - _MOST :], _Spot(points, beam.sensor, beam.robot_ns, is_sure)]
 
     def forget(self, robot_ns: int) -> None:
         """Drop what is too old."""
         oldest_ns = robot_ns - round(self._limits.config.silent_time * 1e9)
         self._spots = [spot for spot in self._spots if spot.robot_ns >= oldest_ns]
 
-    def verdicts(self, silent: list[Sensor], motion: RecentTravel, now: RobotTime) -> list[DirectionLimit]:
-        """Towards where something was heard until lately: what hears nothing there now may have gone deaf.
+    def verdicts(self, silent: list[Sight], motion: RecentTravel) -> list[DirectionLimit]:
+        """Limit the speed towards recent echoes. A sensor that no longer hears them may be deaf.
 
         It blocks for a moment, and says so; then it may be approached as slowly as what no sensor has proved.
         """
-        limits, config, names = self._limits, self._limits.config, " and ".join(sensor.name for sensor in silent)
+        limits, config, names = self._limits, self._limits.config, " and ".join(sight.sensor for sight in silent)
+        silence_s = min((sight.silent_s for sight in silent if sight.silent_s is not None), default=math.inf)
         slow = config.untrusted_speed
         verdicts = []
         if heard := self.ahead(motion.place):
             room, speed = heard.distance - config.margin, motion.speed(self._sign)
             reason = Trouble(f"{names}: silent where {heard.sensor} heard something until lately")
-            if limits.stops_within(speed) > room and (
-                speed > _STUTTER * slow or min(sensor.silence_s(now) for sensor in silent) < config.silent_block
-            ):
-                verdicts.append(limits.block(silent[0].name, reason))
+            if limits.stops_within(speed) > room and (speed > _STUTTER * slow or silence_s < config.silent_block):
+                verdicts.append(limits.block(silent[0].sensor, reason))
             else:
                 allowed = max(slow, limits.fastest(room))
-                verdicts.append(limits.allow(allowed, silent[0].name, reason))
+                verdicts.append(limits.allow(allowed, silent[0].sensor, reason))
         if heard := self.beside(motion.place):
             reason = Trouble(f"{names}: silent beside where {heard.sensor} heard something until lately")
-            verdicts.append(limits.allow(max(slow, limits.fastest(heard.distance)), silent[0].name, reason))
+            verdicts.append(limits.allow(max(slow, limits.fastest(heard.distance)), silent[0].sensor, reason))
         return verdicts
 
     def ahead(self, place: Pose) -> Heard | None:

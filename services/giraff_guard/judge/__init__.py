@@ -1,0 +1,1 @@
+"""What is true of all senses: the limits that follow from what they tell."""

@@ -1,0 +1,48 @@
+"""What the footprint meets of the points that a sensor sees now."""
+
+import math
+from collections.abc import Iterator
+from operator import attrgetter
+
+from giraff_core.kinematics.pose import Pose
+from giraff_guard.geometry import until_touch
+from giraff_guard.judge.memory import Obstruction
+from giraff_guard.limits import SIGN, DriveDirection, Limits
+from giraff_guard.source import Reading, Sight
+
+
+def in_the_way(
+    sight: Sight, place: Pose, way: DriveDirection, limits: Limits, curvature: float = 0.0
+) -> Iterator[Obstruction]:
+    """Yield what a footprint driving this way meets of a sensor's points.
+
+    `curvature`: angular_z / linear_x, 1/m.
+    """
+    if sight.points is None:
+        return
+    sign, reach = SIGN[way], limits.swept_radius + sight.points.spread
+    for point in sight.points.xy:
+        x, y = place.sees(*point)
+        distance = until_touch(x * sign, y, curvature, reach)
+        if distance is not None:
+            # A place that is no number is taken for one that touches.
+            distance = 0.0 if math.isnan(distance) else distance
+            yield Obstruction(distance, sight.sensor, math.atan2(y, x), is_old=False)
+
+
+def with_reading(sight: Sight, place: Pose, way: DriveDirection, limits: Limits) -> Sight:
+    """Return the sight with the reading that its points give straight ahead, the margin counted as in the memory."""
+    nearest = min(in_the_way(sight, place, way, limits), key=attrgetter("distance"), default=None)
+    if nearest is None or sight.points is None:
+        return sight
+    came = SIGN[way] * sight.points.place.ahead(place, 0.0)
+    gap = nearest.distance + min(limits.config.margin, limits.config.memory_margin)
+    return sight._replace(readings=(Reading(gap + came, came, nearest.distance),))
+
+
+def touches(sight: Sight, place: Pose, limits: Limits) -> bool:
+    """Return whether a point lies within the footprint and its margin."""
+    if sight.points is None:
+        return False
+    reach = limits.swept_radius + sight.points.spread
+    return any(math.hypot(*place.sees(*point)) < reach for point in sight.points.xy)
