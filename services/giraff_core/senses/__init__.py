@@ -8,12 +8,12 @@ from typing import Any, Final, get_args
 
 from giraff_core.senses.bumper import Bumper
 from giraff_core.senses.camera import Camera
-from giraff_core.senses.sense import Sense, Sensed, UnknownSensor
+from giraff_core.senses.sense import Evidence, Sense, Sensed, UnknownSensor
 from giraff_core.senses.ultrasonic import HC_SR04, Ultrasonic
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import Topic
 
-__all__ = ["HC_SR04", "Bumper", "Camera", "Sense", "Sensed", "Ultrasonic", "UnknownSensor"]
+__all__ = ["HC_SR04", "Bumper", "Camera", "Evidence", "Sense", "Sensed", "Ultrasonic", "UnknownSensor"]
 
 KnownSense = Ultrasonic | Bumper | Camera
 """Each type that a robot file may name. Guard and replay read their topics, and number their samples, in this order."""

@@ -1,6 +1,8 @@
 """The parts that all types of sensors have in common."""
 
-from typing import Any, ClassVar, Protocol
+import math
+from collections.abc import Sequence
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import msgspec
 
@@ -8,6 +10,7 @@ from giraff_core.tuning import Tuning
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.topics import Topic
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 
 class Sensed(Protocol):
@@ -21,6 +24,31 @@ class Sensed(Protocol):
     def instance(self) -> str: ...
     @property
     def seq(self) -> int: ...
+
+
+Strip = Sequence[tuple[float, float]]
+"""A line through places: x, y in m."""
+
+
+class Evidence(NamedTuple):
+    """Content of one sample, for screens that draw it. All places are in `base_link`."""
+
+    text: str
+    """Short text: a distance, "clear", "pushed"."""
+    nearest: float | None = None
+    """m from the sensor to the nearest thing; None: it sees none."""
+    free: Sequence[Strip] = ()
+    """Outlines of the floor where nothing stands."""
+    seen: Sequence[Strip] = ()
+    """Lines along what stands there. A line of one place is a point."""
+    trouble: Trouble = NO_TROUBLE
+    """Cause, where the sensor itself is faulty."""
+
+
+def arc(x: float, y: float, radius: float, middle: float, half: float, pieces: int = 8) -> list[tuple[float, float]]:
+    """Return places on an arc about (x, y), from `half` rad to the right of `middle` to as much to the left."""
+    bearings = (middle + half * (2.0 * piece / pieces - 1.0) for piece in range(pieces + 1))
+    return [(x + radius * math.cos(bearing), y + radius * math.sin(bearing)) for bearing in bearings]
 
 
 class Sense(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
@@ -39,6 +67,10 @@ class Sense(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         """Return where the sensor of this name is; None: it has no place."""
         del name
         return None
+
+    def evidence(self, sample: Any, footprint_radius: float) -> Evidence:
+        """Return what a sample of its topic shows. `footprint_radius`: m, of the robot."""
+        raise NotImplementedError(f"{type(self).__name__} tells the guard nothing")
 
 
 class UnknownSensor(Sense, frozen=True, kw_only=True, tag="unknown"):

@@ -8,6 +8,8 @@ import pytest
 from giraff_core.robot import RobotConfig
 from giraff_core.senses import HC_SR04, Bumper, Ultrasonic, UnknownSensor
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_schemas.bumper import Bump
+from giraff_schemas.messages import Range
 from tests.rules.repository import ROOT
 
 POSE = "index = 0\nx = 0.25\ny = 0.0\nyaw = 0.0\n"
@@ -76,3 +78,16 @@ def test_a_part_of_the_robot_itself_is_not_below_the_floor(tmp_path: Path) -> No
 def test_a_bumpers_name_is_one_that_a_key_can_have(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="a/b"):
         robot(tmp_path, "[robot.sensors.'a/b']\ntype = 'bumper'\nindex = 0\nway = 'forward'\n")
+
+
+def test_what_a_sample_shows_is_drawn_in_the_robots_frame() -> None:
+    sonar = Ultrasonic(index=0, x=0.25, y=0.1, yaw=0.0, half_cone=0.1, reach=2.0)
+    heard = Range(sensor="a", state="echo", range=0.5, echo_us=2900, tick=None)
+    found = sonar.evidence(heard, 0.3)
+    assert (found.text, found.nearest) == ("0.50 m", 0.5)
+    assert found.seen[0][4] == pytest.approx((0.75, 0.1))
+    clear = sonar.evidence(msgspec.structs.replace(heard, state="clear", range=None), 0.3)
+    assert (clear.text, clear.nearest, clear.seen) == ("clear", None, ())
+    assert max(x for x, _ in clear.free[0]) == pytest.approx(2.25)
+    back = Bumper(index=0, way="backward").evidence(Bump(sensor="b", pressed=True, tick=None), 0.3)
+    assert (back.text, back.seen[0][4]) == ("pushed", pytest.approx((-0.3, 0.0)))
