@@ -23,8 +23,8 @@ def sensed_by(robot: RobotConfig) -> list[Topic[Any]]:
 def sources_of(live: Live[GuardConfig], robot: RobotConfig) -> list[Source]:
     """Return those of one robot. Raises ValueError for a sensor of a type that nobody knows here."""
     for name, unknown in robot.of(UnknownSensor).items():
-        known = ", ".join(TYPES)
         raise ValueError(
-            f"[robot.sensors.{name}] is of the type {unknown.named!r}, which the guard does not know; known are: {known}"
+            f"[robot.sensors.{name}] is of the type {unknown.named!r}, which the guard does not know; "
+            f"known are: {', '.join(TYPES)}"
         )
     return [source(live, robot) for source in SOURCES if robot.of(source.sense)]

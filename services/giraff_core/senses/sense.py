@@ -70,7 +70,8 @@ class Sense(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     def evidence(self, sample: Any, footprint_radius: float) -> Evidence:
         """Return what a sample of its topic shows. `footprint_radius`: m, of the robot."""
-        raise NotImplementedError(f"{type(self).__name__} tells the guard nothing")
+        del sample, footprint_radius
+        return Evidence("")
 
 
 class UnknownSensor(Sense, frozen=True, kw_only=True, tag="unknown"):
