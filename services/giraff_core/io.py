@@ -6,7 +6,7 @@ simulation runs the same turn on networks, cables and disks of its own, in simul
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, NamedTuple, Protocol, TypeVar
 
 import msgspec
 
@@ -104,6 +104,43 @@ class Board(Selectable, Protocol):
         ...
 
 
+class Arrival(NamedTuple):
+    """The bytes that one look at a serial port has found. Moments are ns of `IO.robot_ns`."""
+
+    data: bytes
+    since_ns: int
+    """Moment until which none of these bytes had arrived."""
+    until_ns: int
+    """Moment after they were read. None of them has waited longer than from `since_ns` to here."""
+    opened: bool
+    """This look has opened the port: nothing that was begun before goes on."""
+
+
+class SerialPort(Selectable, Protocol):
+    """The serial port of a device that sends and takes bytes of its own, and knows no ticks.
+
+    A sense reads it through `giraff_core.fresh_bytes.FreshBytes`, which proves how old the bytes are.
+    """
+
+    @property
+    def fault(self) -> Trouble:
+        """Reason why the port is closed; NO_TROUBLE while it is open."""
+        ...
+
+    @property
+    def is_idle(self) -> bool:
+        """The port is open, and the kernel has taken all that was sent."""
+        ...
+
+    def poll(self, now: float) -> Arrival:
+        """Keep the port open and return all that has arrived. `now`: monotonic, s."""
+        ...
+
+    def send(self, data: bytes) -> None:
+        """Send `data`; newer data replaces it until the kernel has begun to take it, which `is_idle` tells."""
+        ...
+
+
 class Writer(Protocol):
     """Writes one small file, elsewhere: neither call waits for a disk."""
 
@@ -172,12 +209,19 @@ class IO(Protocol):
 
     def board(self, path: str, board: "BoardType") -> Board: ...
 
+    def serial(self, path: str, baud: int) -> SerialPort:
+        """Return the port of a device without our firmware. As `Service.link`, its bytes make a turn due."""
+        ...
+
     def monotonic(self) -> float:
         """s; what turns are given."""
         ...
 
     def robot_ns(self) -> int:
-        """The clock that ticks are made of and judged by. Meaningful only on base's host."""
+        """The clock that ticks are made of and judged by: it goes on while the machine is suspended.
+
+        Only base's host may compare it with a tick.
+        """
         ...
 
     def token(self) -> int:

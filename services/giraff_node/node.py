@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, Self
 
 import zenoh
 
-from giraff_core.io import MOST_REQUESTS, Inbox, Paced, PendingQuery, Selectable, Service
+from giraff_core.io import MOST_REQUESTS, Inbox, Paced, PendingQuery, Selectable, SerialPort, Service
 from giraff_core.network import NetworkConfig
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
@@ -291,6 +291,11 @@ class Node(Generic[ConfigT]):
         self._boards.append(link := BoardLink(path, board))
         return link
 
+    def serial(self, path: str, baud: int) -> SerialPort:
+        from giraff_node.boards.byte_link import ByteLink  # noqa: PLC0415
+
+        return ByteLink(path, baud, self.robot_ns)
+
     def monotonic(self) -> float:
         return time.monotonic()
 
@@ -308,9 +313,8 @@ class Node(Generic[ConfigT]):
 
         `prompt`: turns are short, and a sample's own thread makes the turn that its arrival makes due.
         """
-        turn = service.turn
-        for now in self.turns(*service.timers, link=service.link, prompt=turn if prompt else None):
-            turn(now)
+        for now in self.turns(*service.timers, link=service.link, prompt=service.turn if prompt else None):
+            service.turn(now)
         service.end()
 
     def turns(

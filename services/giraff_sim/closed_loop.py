@@ -10,7 +10,7 @@ from typing import Any
 
 from giraff_core.io import Service
 from giraff_schemas.wire import BoardKind
-from giraff_sim.hosts.cable import Cable
+from giraff_sim.hosts.cable import BoardUart, Cable
 from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Network
@@ -39,7 +39,7 @@ class ClosedLoop:
         self.agenda = agenda or EventQueue()
         self.hosts = {name: Host(name, self.agenda) for name in ("robot", "operator")}
         self.cables = {
-            port: Cable(kind, simulation)
+            port: Cable(BoardUart(kind, simulation), simulation, frames=True)
             for kind, port in (
                 (BoardKind.BASE, settings.base.port),
                 (BoardKind.RANGER, settings.ranger.port),

@@ -11,7 +11,7 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import BoardKind, HelloRequestFrame
 from giraff_sim.board import Implementation
 from giraff_sim.dst.network import FaultyNetwork
-from giraff_sim.hosts.cable import Cable, CableEnd
+from giraff_sim.hosts.cable import BoardUart, Cable, CableEnd
 from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Message, Subscription
@@ -59,7 +59,7 @@ def test_a_wall_clock_is_as_wrong_as_it_is_set() -> None:
 
 
 def ends(running: Simulation) -> tuple[Cable, CableEnd, CableEnd]:
-    cable = Cable(BoardKind.BASE, running)
+    cable = Cable(BoardUart(BoardKind.BASE, running), running, frames=True)
     first, second = (CableEnd("port", 115200, cable, lambda: None) for _ in range(2))
     return cable, first, second
 

@@ -1,7 +1,7 @@
-"""A serial cable between a board and a host: bytes both ways, and the buffers of the kernel at its end."""
+"""A serial cable between a device and a host: bytes both ways, and the buffers of the kernel at its end."""
 
 import hashlib
-from typing import Final
+from typing import Final, Protocol
 
 from giraff_node.boards.serial_link import IN_USE, NO_PORT, REOPEN_PERIOD, UNPLUGGED, SerialLink
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -14,11 +14,38 @@ _KERNEL_BYTES: Final = 65536
 _READ_BYTES: Final = 4096
 
 
+class Device(Protocol):
+    """Something at the far end of a cable."""
+
+    def bytes_until(self, now_us: int) -> bytes:
+        """Return what it has sent since the last call, until this simulated moment."""
+        ...
+
+    def receive(self, data: bytes) -> int:
+        """Give it bytes; return how many it has room for. The rest is offered again."""
+        ...
+
+
+class BoardUart:
+    """A simulated board at the far end of a cable."""
+
+    def __init__(self, kind: BoardKind, simulation: Simulation) -> None:
+        self._kind = kind
+        self._simulation = simulation
+
+    def bytes_until(self, now_us: int) -> bytes:
+        del now_us  # the simulation has run the board until now
+        return self._simulation.read(self._kind)
+
+    def receive(self, data: bytes) -> int:
+        return self._simulation.write(self._kind, data)
+
+
 class Cable:
     """Carries bytes at once while it is plugged and nothing holds it up."""
 
-    def __init__(self, kind: BoardKind, simulation: Simulation) -> None:
-        self.kind = kind
+    def __init__(self, device: Device, simulation: Simulation, *, frames: bool = False) -> None:
+        """`frames`: the reader is woken by the end of a frame, not by each byte."""
         self.is_plugged = True
         self.holds_to_board = False
         """What the host sends waits in a buffer on its way, as in a USB adapter that hangs."""
@@ -26,14 +53,16 @@ class Cable:
         self.on_data: Action | None = None
         """Wakes whoever has the port open; None: nobody has."""
         self._passed = hashlib.sha256()
+        self._device = device
         self._simulation = simulation
+        self._frames = frames
         self._to_host = bytearray()
         self._arrived = bytearray()
         self._to_board = bytearray()
 
     def carry(self) -> None:
-        """Move what the board has sent, and what it has room for."""
-        data = self._simulation.read(self.kind)
+        """Move what the device has sent, and what it has room for."""
+        data = self._device.bytes_until(self._simulation.now_us)
         if not (data or self._to_host or self._to_board):
             return
         if data:
@@ -41,27 +70,27 @@ class Cable:
         if data and self.is_plugged and self.on_data is not None:
             self._to_host += data[: _KERNEL_BYTES - len(self._to_host)]
         if self._to_host and not self.holds_to_host and self.on_data is not None:
-            ends_frame = 0 in self._to_host
+            wakes = not self._frames or 0 in self._to_host
             self._arrived += self._to_host
             self._to_host.clear()
-            if ends_frame:  # a part of a frame would wake the reader to no effect
+            if wakes:  # a part of a frame would wake the reader to no effect
                 self.on_data()
         if self._to_board and not self.holds_to_board:
             del self._to_board[: self._give(bytes(self._to_board))]
 
     def write(self, data: bytes) -> None:
-        """Send bytes to the board."""
+        """Send bytes to the device."""
         if self._to_board or self.holds_to_board:
             self._to_board += data[: _KERNEL_BYTES - len(self._to_board)]
         else:
             self._to_board += data[self._give(data) :]
 
     def digest(self) -> bytes:
-        """Of all that the board has sent and been given, with its times."""
+        """Of all that the device has sent and been given, with its times."""
         return self._passed.digest()
 
     def _give(self, data: bytes) -> int:
-        taken = self._simulation.write(self.kind, data)
+        taken = self._device.receive(data)
         self._passed.update(b">%d:" % self._simulation.now_us + data[:taken])
         return taken
 
@@ -138,6 +167,10 @@ class CableEnd(SerialLink):
     def send(self, frame: bytes) -> None:
         if self._is_open and self._cable is not None and self._cable.is_plugged:
             self._cable.write(frame)
+
+    @property
+    def is_idle(self) -> bool:
+        return self._is_open
 
     def flush(self) -> None:
         """Nothing waits here: the cable takes all."""

@@ -8,12 +8,13 @@ from typing import Any, Final, Generic, Protocol, TypeVar
 
 import msgspec
 
-from giraff_core.io import MOST_REQUESTS, Board, Inbox, PendingQuery, Publisher, Service
+from giraff_core.io import MOST_REQUESTS, Board, Inbox, PendingQuery, Publisher, SerialPort, Service
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.retry import RetriedRequest
 from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
+from giraff_node.boards.byte_link import ByteLink
 from giraff_schemas.boards import BoardType
 from giraff_schemas.codec import stamped
 from giraff_schemas.frames import Transform
@@ -101,7 +102,7 @@ class Process:
         self._sequences: dict[str, int] = defaultdict(int)
         self._wake_at_us = _NEVER
         self._entry_us = _NEVER  # of the agenda's earliest entry for this process, which may be too early by now
-        self._links: list[BoardLink] = []
+        self._links: list[BoardLink | ByteLink] = []
         self._imitated: dict[str, Board] = {}
 
     # What a service has of it.
@@ -136,6 +137,16 @@ class Process:
         link = BoardLink(path, board, CableEnd(path, board.baud, self.loop.cables.get(path), self.wake))
         self._links.append(link)
         return _WatchedBoard(self, link)
+
+    def serial(self, path: str, baud: int) -> SerialPort:
+        def on_data() -> None:
+            if self._service is not None and self._service.link is link:
+                self.wake()
+
+        end = CableEnd(path, baud, self.loop.cables.get(path), on_data)
+        link = ByteLink(path, baud, self.robot_ns, end)
+        self._links.append(link)
+        return link
 
     def monotonic(self) -> float:
         return self.host.monotonic()
