@@ -207,7 +207,6 @@ SENTRY: Final = Service(name="sentry", host="robot", entry="main", optional=True
 GATEWAY: Final = Service(
     name="gateway",
     host="any",
-    entry="main",
     publishes=(t.SERIAL,),
     subscribes=(t.SERIAL_WRITE,),
     optional=True,

@@ -1,15 +1,19 @@
-"""Devices without our firmware in simulated time: what a sense is given of one's bytes."""
+"""Devices without our firmware in simulated time: what a sense is given of one's bytes, and a gateway's lines."""
 
 from collections.abc import Callable
+from typing import Any
 
 from giraff_core.fresh_bytes import FreshBytes
 from giraff_core.io import IO
 from giraff_core.timer import Timer
-from giraff_schemas.messages import RobotTime
-from giraff_schemas.topics import TICK
+from giraff_gateway.config import GatewayConfig
+from giraff_gateway.service import Gateway
+from giraff_schemas.messages import RobotTime, SerialLine, SerialWrite
+from giraff_schemas.topics import SERIAL_WRITE, TICK
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.cable import Cable
-from tests.loop.loops import closed_loop
+from giraff_sim.hosts.process import Observer, Process
+from tests.loop.loops import SETTINGS, closed_loop
 from tests.sim.robots import empty_room
 from tests.support.serial_device import PACKET_US, CountingDevice, packets
 
@@ -108,3 +112,51 @@ class Talker:
     def receive(self, data: bytes) -> int:
         self.received += data
         return len(data)
+
+
+class Heard(Observer):
+    """Keeps the lines that are published."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def said(self, process: Process, sample: Any) -> None:
+        del process
+        if isinstance(sample, SerialLine):
+            self.lines.append(sample.text)
+
+
+def test_a_gateway_passes_lines_both_ways_and_loses_none_while_it_stands() -> None:
+    heard = Heard()
+    lines = heard.lines
+    with closed_loop(empty_room(), observer=heard) as loop:
+        arduino = Talker()
+        cable = loop.cables["arduino"] = Cable(arduino, loop.simulation)
+        config = GatewayConfig(port="arduino", name="weather")
+        gateway = loop.launch("gateway", lambda io: Gateway(io, config, SETTINGS.robot), loop.hosts["robot"])
+        loop.run(0.1)
+        for text in (b"23.", b"5\nha"):
+            arduino.says = text
+            loop.run(0.05)
+        assert lines == ["23.5"]
+        gateway.paused = True
+        arduino.says = b"lf\nwaited\nbe"
+        loop.run(0.2)
+        gateway.paused = False
+        gateway.go_on()
+        loop.processes["base"].say(SERIAL_WRITE.at("weather").key, SerialWrite(name="weather", text="led"))
+        loop.run(0.1)
+        assert lines == ["23.5", "half", "waited"]
+        assert arduino.received == b"led\n"
+        cable.unplug()
+        loop.run(0.2)
+        assert "no such port" in gateway.told["port"]
+        loop.processes["base"].say(SERIAL_WRITE.at("weather").key, SerialWrite(name="weather", text="to nobody"))
+        loop.run(0.1)
+        assert "texts were not written" in gateway.told["write"]
+        cable.plug()
+        loop.run(0.2)
+        arduino.says = b"anew\n"
+        loop.run(0.1)
+        assert lines[3:] == ["anew"], "what was begun before is another life's"
+        assert arduino.received == b"led\n"

@@ -58,7 +58,7 @@ PLANTED = [
     ("giraff_sim.main", "giraff_router.main"),
     ("giraff_sim.main", "giraff_base.policy"),
     ("giraff_cli.main", "giraff_base.service"),
-    ("giraff_cli.main", "giraff_gateway.main"),
+    ("giraff_cli.main", "giraff_gateway.service"),
     ("giraff_cli.run.plan", "giraff_web.service"),
     ("giraff_cli.run.plan", "giraff_localization.service"),
     ("giraff_cli.run.plan", "giraff_ros2.main"),
