@@ -8,12 +8,12 @@ from typing import Any, Final, get_args
 
 from giraff_core.senses.bumper import Bumper
 from giraff_core.senses.camera import Camera
-from giraff_core.senses.sense import Evidence, Sense, Sensed, UnknownSensor
+from giraff_core.senses.sense import Evidence, Sense, Sensed, Summary, UnknownSensor
 from giraff_core.senses.ultrasonic import HC_SR04, Ultrasonic
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import Topic
 
-__all__ = ["HC_SR04", "Bumper", "Camera", "Evidence", "Sense", "Sensed", "Ultrasonic", "UnknownSensor"]
+__all__ = ["HC_SR04", "Bumper", "Camera", "Evidence", "Sense", "Sensed", "Summary", "Ultrasonic", "UnknownSensor"]
 
 KnownSense = Ultrasonic | Bumper | Camera
 """Each type that a robot file may name. Guard and replay read their topics, and number their samples, in this order."""
@@ -22,6 +22,8 @@ SENSES: Final[tuple[type[Sense], ...]] = get_args(KnownSense)
 TYPES: Final = tuple(sorted(sense.type_name() for sense in SENSES))
 SENSED: Final[dict[type[Sense], Topic[Any]]] = {sense: sense.TOPIC for sense in SENSES if sense.TOPIC is not None}
 """Topic of each type that the guard listens to."""
+SENSE_OF: Final = {topic.schema: sense for sense, topic in SENSED.items()}
+"""By type of sample, the type of sensor that says it."""
 PUBLISHERS: Final = {
     sense.type_name(): row.name for sense in SENSED for row in SERVICES if sense.TOPIC in row.publishes
 }

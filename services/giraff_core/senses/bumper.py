@@ -3,7 +3,7 @@
 import math
 from typing import ClassVar, Literal
 
-from giraff_core.senses.sense import Evidence, Sense, arc
+from giraff_core.senses.sense import Evidence, Sense, Summary, arc
 from giraff_schemas.bumper import Bump
 from giraff_schemas.topics import BUMPER, Topic
 from giraff_schemas.wires.bumper import BUMPERS
@@ -23,7 +23,12 @@ class Bumper(Sense, frozen=True, kw_only=True, tag="bumper"):
         if not 0 <= self.index < BUMPERS:
             raise ValueError(f"index is {self.index}: the ranger board has bumpers 0..{BUMPERS - 1}")
 
+    @classmethod
+    def summary(cls, sample: Bump) -> Summary:
+        """Return whether something pushes it."""
+        return Summary("pushed", 0.0) if sample.pressed else Summary("free")
+
     def evidence(self, sample: Bump, footprint_radius: float) -> Evidence:
-        """Return its half of the robot's rim."""
+        """Return its part of the robot's rim."""
         rim = [arc(0.0, 0.0, footprint_radius, 0.0 if self.way == "forward" else math.pi, math.pi / 3.0)]
-        return Evidence("pushed", 0.0, seen=rim) if sample.pressed else Evidence("free", free=rim)
+        return Evidence(seen=rim) if sample.pressed else Evidence(free=rim)

@@ -30,19 +30,24 @@ Strip = Sequence[tuple[float, float]]
 """A line through places: x, y in m."""
 
 
-class Evidence(NamedTuple):
-    """Content of one sample, for screens that draw it. All places are in `base_link`."""
+class Summary(NamedTuple):
+    """Content of one sample in words, for screens that know no robot file."""
 
     text: str
     """Short text: a distance, "clear", "pushed"."""
     nearest: float | None = None
-    """m from the sensor to the nearest thing; None: it sees none."""
+    """m to the nearest thing, 0 where it touches; None: the sensor sees none."""
+    trouble: Trouble = NO_TROUBLE
+    """Cause, where the sensor itself is faulty."""
+
+
+class Evidence(NamedTuple):
+    """Content of one sample on the floor, for screens that draw it. All places are in `base_link`."""
+
     free: Sequence[Strip] = ()
     """Outlines of the floor where nothing stands."""
     seen: Sequence[Strip] = ()
     """Lines along what stands there. A line of one place is a point."""
-    trouble: Trouble = NO_TROUBLE
-    """Cause, where the sensor itself is faulty."""
 
 
 def arc(x: float, y: float, radius: float, middle: float, half: float, pieces: int = 8) -> list[tuple[float, float]]:
@@ -68,10 +73,16 @@ class Sense(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         del name
         return None
 
+    @classmethod
+    def summary(cls, sample: Any) -> Summary:
+        """Return what a sample of its topic says."""
+        del sample
+        return Summary("")
+
     def evidence(self, sample: Any, footprint_radius: float) -> Evidence:
         """Return what a sample of its topic shows. `footprint_radius`: m, of the robot."""
         del sample, footprint_radius
-        return Evidence("")
+        return Evidence()
 
 
 class UnknownSensor(Sense, frozen=True, kw_only=True, tag="unknown"):

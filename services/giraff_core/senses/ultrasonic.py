@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Final
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.parts import ANGLE, PLACE, fixed_transform
-from giraff_core.senses.sense import Evidence, Sense, arc
+from giraff_core.senses.sense import Evidence, Sense, Summary, arc
 from giraff_schemas.frames import Transform, range_frame
 from giraff_schemas.messages import Range
 from giraff_schemas.topics import RANGE, Topic
@@ -54,17 +54,20 @@ class Ultrasonic(Sense, frozen=True, kw_only=True, tag="hc-sr04"):
         """Return where the sensor of this name is."""
         return fixed_transform(range_frame(name), self)
 
+    @classmethod
+    def summary(cls, sample: Range) -> Summary:
+        """Return the distance that it heard."""
+        text = sample.state if sample.range is None else f"{sample.range:.2f} m"
+        return Summary(text, sample.range, sample.reason)
+
     def evidence(self, sample: Range, footprint_radius: float) -> Evidence:
         """Return the cone up to what it heard."""
         del footprint_radius
         if sample.state == "fault":
-            return Evidence("fault", trouble=sample.reason)
+            return Evidence()
         far = self.reach if sample.range is None else min(sample.range, self.reach)
-        edge = arc(self.x, self.y, far, self.yaw, self.half_cone)
-        here = (self.x, self.y)
-        if sample.range is None:
-            return Evidence("clear", free=[[here, *edge, here]])
-        return Evidence(f"{sample.range:.2f} m", sample.range, free=[[here, *edge, here]], seen=[edge])
+        here, edge = (self.x, self.y), arc(self.x, self.y, far, self.yaw, self.half_cone)
+        return Evidence(free=[[here, *edge, here]], seen=[] if sample.range is None else [edge])
 
 
 HC_SR04: Final = Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0)

@@ -83,12 +83,11 @@ def test_a_bumpers_name_is_one_that_a_key_can_have(tmp_path: Path) -> None:
 def test_what_a_sample_shows_is_drawn_in_the_robots_frame() -> None:
     sonar = Ultrasonic(index=0, x=0.25, y=0.1, yaw=0.0, half_cone=0.1, reach=2.0)
     heard = Range(sensor="a", state="echo", range=0.5, echo_us=2900, tick=None)
-    found = sonar.evidence(heard, 0.3)
-    assert (found.text, found.nearest) == ("0.50 m", 0.5)
-    assert found.seen[0][4] == pytest.approx((0.75, 0.1))
-    clear = sonar.evidence(msgspec.structs.replace(heard, state="clear", range=None), 0.3)
-    assert (clear.text, clear.nearest, clear.seen) == ("clear", None, ())
-    assert max(x for x, _ in clear.free[0]) == pytest.approx(2.25)
-    back = Bumper(index=0, way="backward").evidence(Bump(sensor="b", pressed=True, tick=None), 0.3)
-    assert back.text == "pushed"
-    assert back.seen[0][4] == pytest.approx((-0.3, 0.0))
+    assert sonar.evidence(heard, 0.3).seen[0][4] == pytest.approx((0.75, 0.1))
+    assert sonar.summary(heard)[:2] == ("0.50 m", 0.5)
+    clear = msgspec.structs.replace(heard, state="clear", range=None)
+    assert max(x for x, _ in sonar.evidence(clear, 0.3).free[0]) == pytest.approx(2.25)
+    assert (sonar.summary(clear)[:2], sonar.evidence(clear, 0.3).seen) == (("clear", None), [])
+    bumper, pushed = Bumper(index=0, way="backward"), Bump(sensor="b", pressed=True, tick=None)
+    assert bumper.summary(pushed).text == "pushed"
+    assert bumper.evidence(pushed, 0.3).seen[0][4] == pytest.approx((-0.3, 0.0))
