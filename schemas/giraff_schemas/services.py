@@ -8,6 +8,9 @@ from giraff_schemas import topics as t
 from giraff_schemas.topics import Query, Topic
 from giraff_schemas.wire import BoardKind
 
+_SENSED: Final = (t.RANGE, t.BUMPER)
+"""What the robot's sensors say: the guard obeys it, and screens show it."""
+
 
 class Service(msgspec.Struct, frozen=True, kw_only=True):
     """One row of the table."""
@@ -120,7 +123,7 @@ GUARD: Final = Service(
     host="robot",
     missing=("fault", "nothing moves: base obeys the guard alone"),
     publishes=(t.CMD_VEL, t.LEASE, t.GUARD),
-    subscribes=(t.TICK, t.RANGE, t.BUMPER, t.WHEELS, t.ATTITUDE, t.OPERATOR_CMD_VEL),
+    subscribes=(t.TICK, *_SENSED, t.WHEELS, t.ATTITUDE, t.OPERATOR_CMD_VEL),
     simulated=True,
     inside=True,
 )
