@@ -27,22 +27,42 @@ class BumperSource(Source):
 
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
         super().__init__(live, robot)
-        self._switches = {name: _Switch(name, bumper) for name, bumper in robot.of(Bumper).items()}
+        self._ways: dict[str, DriveDirection] = {name: bumper.way for name, bumper in robot.of(Bumper).items()}
+        self._pressed: set[str] = set()
+        self._touched: dict[str, Pose] = {}
+        """By bumper, the robot's place when it was pushed last, until the robot has moved away from there."""
+        self._uncertain: set[str] = set()
+        """Bumpers of which that place is not certain: the robot may have come nearer."""
 
     def covers(self, way: DriveDirection) -> list[str]:
         """Return the bumpers that meet what the robot drives into."""
-        return [name for name, switch in self._switches.items() if switch.way == way]
+        return [name for name, covered in self._ways.items() if covered == way]
 
     def on_sample(self, sample: Bump, motion: RecentTravel, now: RobotTime) -> Sequence[Beam]:
         """Take what one says."""
         del now
-        self._switches[sample.sensor].on_bump(sample, motion)
+        self._pressed.discard(sample.sensor)
+        if sample.pressed:
+            self._pressed.add(sample.sensor)
+            self._touch(sample.sensor, motion)
         return ()
 
     def sight(self, sensor: str, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> Sight:
         """Return whether something touches it."""
-        del way, now
-        return Sight(sensor, touch=self._switches[sensor].push(motion, self.live.config.touch_distance))
+        del now
+        if sensor in self._pressed:
+            return Sight(sensor, touch=Trouble(f"{sensor} is pushed: something touches it, or its wire is cut"))
+        touched, away = self._touched.get(sensor), 2.0 * self.live.config.touch_distance
+        if touched is None:
+            return Sight(sensor)
+        if sensor in self._uncertain or not motion.heard:
+            touched = self._touch(sensor, motion)
+        backed = -SIGN[way] * touched.ahead(motion.place, 0.0)
+        if backed >= away or abs(motion.place.yaw - touched.yaw) >= _TURNED_AWAY:
+            del self._touched[sensor]
+            return Sight(sensor)
+        what = f"{sensor} was pushed here, and the robot has not come {away:g} m away"
+        return Sight(sensor, touch=Trouble(what))
 
     def trouble(self, sensor: str, motion: RecentTravel, now: RobotTime) -> Trouble:
         """Return that one that is heard is trusted."""
@@ -51,52 +71,17 @@ class BumperSource(Source):
 
     def forget(self) -> None:
         """Begin anew. Where one was pushed something may still stand: the robot has to move away from where it is."""
-        for switch in self._switches.values():
-            switch.forget()
+        self._pressed.clear()
+        self.lose_place()
 
     def lose_place(self) -> None:
         """Take note that the robot may have come nearer: it has to move away from where it is now."""
-        for switch in self._switches.values():
-            switch.lose_place()
+        self._uncertain.update(self._touched)
 
-
-class _Switch:
-    def __init__(self, name: str, bumper: Bumper) -> None:
-        self._name = name
-        self.way: DriveDirection = bumper.way
-        self._is_pressed = False
-        self._touched: Pose | None = None
-        """Where the robot was when it was pushed last, until it has moved away from there."""
-        self._place_is_lost = False
-
-    def on_bump(self, sample: Bump, motion: RecentTravel) -> None:
-        self._is_pressed = sample.pressed
-        if sample.pressed:
-            self._touch(motion)
-
-    def lose_place(self) -> None:
-        self._place_is_lost = True
-
-    def forget(self) -> None:
-        self._is_pressed, self._place_is_lost = False, True
-
-    def push(self, motion: RecentTravel, touch_distance: float) -> Trouble:
-        """Return why something stands at it. `touch_distance`: m; twice as much is away."""
-        if self._is_pressed:
-            return Trouble(f"{self._name} is pushed: something touches it, or its wire is cut")
-        touched = self._touched
-        if touched is None:
-            return NO_TROUBLE
-        if self._place_is_lost or not motion.heard:
-            touched = self._touch(motion)
-        axis = 0.0 if SIGN[self.way] > 0.0 else math.pi
-        backed = -touched.ahead(motion.place, axis)
-        if backed >= 2.0 * touch_distance or abs(motion.place.yaw - touched.yaw) >= _TURNED_AWAY:
-            self._touched = None
-            return NO_TROUBLE
-        return Trouble(f"{self._name} was pushed here, and the robot has not come {2.0 * touch_distance:g} m away")
-
-    def _touch(self, motion: RecentTravel) -> Pose:
+    def _touch(self, sensor: str, motion: RecentTravel) -> Pose:
         """Take where the robot is for where it was pushed. While no wheels are heard, that place is not certain."""
-        self._touched, self._place_is_lost = motion.place, not motion.heard
+        self._touched[sensor] = motion.place
+        self._uncertain.discard(sensor)
+        if not motion.heard:
+            self._uncertain.add(sensor)
         return motion.place
