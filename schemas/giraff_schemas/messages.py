@@ -387,6 +387,7 @@ class GuardState(Sample, frozen=True, kw_only=True):
     sensors: dict[str, SensorState]
     """By name, in the order of the robot file."""
 
-    def of_type(self, type_: str) -> list[str]:
-        """Return the names of the sensors of a type."""
-        return [name for name, sensor in self.sensors.items() if sensor.type == type_]
+    @property
+    def sensor_types(self) -> dict[str, str]:
+        """Return the type of each sensor by name."""
+        return {name: sensor.type for name, sensor in self.sensors.items()}

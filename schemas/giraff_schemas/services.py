@@ -55,6 +55,9 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
         return self.name if self.entry else ""
 
 
+_SENSED: Final = (t.RANGE, t.BUMPER)
+"""Topics of the sensors that the guard listens to."""
+
 JOYSTICK: Final = Service(
     name="joystick",
     host="operator",
@@ -68,7 +71,7 @@ KEYBOARD: Final = Service(
     host="operator",
     entry="main",
     publishes=(t.OPERATOR_CMD_VEL,),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.RANGE),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, *_SENSED),
 )
 WEB: Final = Service(
     name="web",
@@ -90,7 +93,7 @@ CLIENT: Final = Service(
     host="operator",
     entry="",
     publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.POSE, t.RANGE, t.MOTION),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.POSE, *_SENSED, t.MOTION),
 )
 """A script of somebody's own, with `giraff_client`."""
 ROS2: Final = Service(
@@ -99,7 +102,7 @@ ROS2: Final = Service(
     entry="main",
     publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
     subscribes=(
-        *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.RANGE, t.TILT),
+        *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, *_SENSED, t.TILT),
         *(t.POSE, t.MAP, t.MOTION),
     ),
     optional=True,

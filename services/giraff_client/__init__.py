@@ -23,11 +23,14 @@ from giraff_client.errors import (
 )
 from giraff_client.robot import Robot
 from giraff_core.motion.result import MotionResult
+from giraff_schemas.bumper import Bump
+from giraff_schemas.messages import Range
 from giraff_schemas.motion import Arc, GoTo, Move, Turn
 
 __all__ = [
     "Arc",
     "BlockedError",
+    "Bump",
     "CameraPicture",
     "EmergencyStopError",
     "FrameError",
@@ -42,6 +45,7 @@ __all__ = [
     "NoRobotError",
     "NotArmedError",
     "PastError",
+    "Range",
     "RefusedError",
     "Robot",
     "RobotError",

@@ -17,7 +17,7 @@ from giraff_client.errors import NoRobotError, RobotError, SilentError
 from giraff_client.frames import FrameFinder, FrameReader, jump
 from giraff_client.motion import Motions
 from giraff_client.policy import OperatorPolicy
-from giraff_client.reading import States, blockage, has_heard_each_sensor, ranges_of, require_finite
+from giraff_client.reading import Heard, States, blockage, has_heard_each_sensor, require_finite
 from giraff_core.latest import is_fresh
 from giraff_core.motion.result import MotionResult
 from giraff_core.timer import Timer
@@ -40,7 +40,7 @@ from giraff_node.network.session import NobodyError, close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import DriveCommand, Odometry, Range, Sample
+from giraff_schemas.messages import DriveCommand, Odometry, Sample
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 from giraff_schemas.services import CLIENT, SCRIPT
 from giraff_schemas.topics import (
@@ -147,21 +147,6 @@ class Robot(Motions, States, FrameReader, CameraReader):
             by=self._by, id=secrets.randbits(63), x=x, y=y, yaw=yaw, position_sd=position_sd, yaw_sd=yaw_sd
         )
         self._jump(ODOM_SET_POSE, request)
-
-    def ranges(self) -> dict[str, Range]:
-        """By sensor, for each that the robot has, the newest reading, m.
-
-        One that was silent for a second, or was never heard, is a fault: it has a reason and no range. The guard tells
-        which sensors there are; without it, those that are heard. The first call waits for them, up to 2 s from the
-        begin of the `with`. Raises SilentError where nothing tells of any sensor, LostRobotError.
-        """
-        self._wait_for_first(lambda: has_heard_each_sensor(self._newest.copy()))
-        readings = ranges_of(self._newest.copy(), time.monotonic())
-        if all(reading.state == "fault" for reading in readings.values()):
-            silence = self._silence("no range was ever heard; check that giraff_ranger runs and sees its board")
-            if not readings or isinstance(silence, NoRobotError):
-                raise silence
-        return readings
 
     def arm(self) -> None:
         """Ask for the lease and hold still until the robot is armed, about half a second. The first `drive` does so.
@@ -321,6 +306,10 @@ class Robot(Motions, States, FrameReader, CameraReader):
             raise self._silence(f"{topic.key} is silent for {old:.1f} s; {remedy}")
         assert isinstance(sample, topic.schema)  # noqa: S101  it was decoded as one
         return sample
+
+    def _hear_each(self, topic: Topic[Any]) -> tuple[Heard, float]:
+        self._wait_for_first(lambda: has_heard_each_sensor(topic, self._newest.copy()))
+        return self._newest.copy(), time.monotonic()
 
     def _silence(self, text: str) -> RobotError:
         """Why nothing is heard: a robot that is lost explains the silence of all its parts."""

@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from giraff_core.senses import Ultrasonic
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.picture import DriveView
 from giraff_keyboard.service import Keyboard
@@ -48,7 +47,7 @@ def in_terminal() -> bool:
 
 def run_keyboard(node: Node[KeyboardConfig]) -> tuple[str, Terminal]:
     """Drive until the end. Return which stop base has not confirmed, empty if none, and the terminal that was left."""
-    with Terminal(DriveView(node.robot.name, tuple(node.robot.of(Ultrasonic))), node.fail) as terminal:
+    with Terminal(DriveView(node.robot.name, node.robot.sensor_types), node.fail) as terminal:
         keyboard = Keyboard(node, node.config, node.robot, terminal)
         node.run(keyboard)
     return go_on_asking(keyboard), terminal

@@ -1,7 +1,7 @@
 """What a person who drives sees at one moment, on 80 by 24 characters or wider. Nothing moves when a text grows."""
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, Final
@@ -12,11 +12,12 @@ from rich.text import Text
 
 from giraff_core.latest import FRESH, Latest
 from giraff_core.operator import what_stops
+from giraff_core.senses import SENSED
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_keyboard.reset_request import before_release, release_question
 from giraff_schemas.actions import KEYS
 from giraff_schemas.text import printable
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, SampleT, Topic
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import RANGE_SENSORS
 from giraff_telemetry import panels as blocks
@@ -90,16 +91,18 @@ class DrivePicture:
 
     def render(self) -> RenderableType:
         snapshot = self.snapshot
-        few = replace(snapshot, ranges=dict(islice(snapshot.ranges.items(), RANGE_SENSORS)))
+        gap = blocks.gap(snapshot)
+        most = RANGE_SENSORS if gap else RANGE_SENSORS + 2  # in the rows of two gaps
+        few = replace(snapshot, sensed=dict(islice(snapshot.sensed.items(), most)))
         return Group(
             self._header(),
             _labelled("ROBOT", *self.status(), rows=1),
             _labelled("WHY", *self.reason()),
             _labelled("STOP", *self.stopping()),
             *self._keys(),  # a terminal that is too low lacks what is at the bottom
-            Text(),
+            *gap,
             *_directions(snapshot),
-            Text(),
+            *gap,
             beside(
                 blocks.ranges(few),
                 blocks.motion(*moving(snapshot), style=blocks.dim(snapshot.odometry)),
@@ -197,10 +200,10 @@ def _directions(snapshot: Snapshot) -> Iterator[Paragraph]:
 class DriveView:
     """Collects what a person who drives is shown. Times are monotonic, s."""
 
-    topics: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, ODOM, RANGE)
+    topics: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, ODOM, *SENSED.values())
 
-    def __init__(self, robot: str, sensors: tuple[str, ...]) -> None:
-        """`sensors`: of the robot, in the order of its file."""
+    def __init__(self, robot: str, sensors: Mapping[str, str]) -> None:
+        """`sensors`: types of the robot's, by name, in the order of its file."""
         self._robot = robot
         self._telemetry = Telemetry(sensors)
         self.on_sample = self._telemetry.add

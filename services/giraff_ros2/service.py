@@ -10,6 +10,7 @@ from giraff_core.io import IO, Inbox
 from giraff_core.operator import OperatorService
 from giraff_core.picture.receiver import OpenSource
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import SENSED
 from giraff_core.timer import Timer
 from giraff_ros2.config import Ros2Config
 from giraff_ros2.goal import Goals
@@ -31,7 +32,6 @@ from giraff_schemas.topics import (
     ODOM,
     OPERATOR_CMD_VEL,
     POSE,
-    RANGE,
     TILT,
     Topic,
 )
@@ -109,7 +109,7 @@ class Ros2(OperatorService):
         self._says = RobotInRos(robot, ros, open_source, by)
         # All is looked at fifty times a second, as often as an operator speaks. Of odometry, which comes more often,
         # the newest goes on: ROS's own drivers of wheels publish it at that rate.
-        waiting: list[Topic[Any]] = [BASE, GUARD, ESTOP, BATTERY, RANGE, TILT, POSE, MAP, MOTION]
+        waiting: list[Topic[Any]] = [BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), TILT, POSE, MAP, MOTION]
         self._heard: list[Inbox[Any]] = [io.inbox(ODOM, 1, wakes=False)]
         self._heard += [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
         super().__init__(io, self._twists, wakes=False)

@@ -1,10 +1,14 @@
 """What is heard of a robot, made into what a person wants to know. No clock, no network: both come in."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
 from typing import Any, Final
 
 from giraff_core.latest import FRESH, Latest, LatestSamples
-from giraff_core.senses import PUBLISHERS, Ultrasonic
+from giraff_core.senses import PUBLISHERS
+from giraff_core.senses.heard import HeardSensor, heard_sensors
 from giraff_schemas.camera import CameraState
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
@@ -16,7 +20,6 @@ from giraff_schemas.messages import (
     GuardState,
     Lease,
     Odometry,
-    Range,
     Sample,
     Tilt,
     Wheels,
@@ -32,7 +35,6 @@ from giraff_schemas.topics import (
     LEASE,
     ODOM,
     POSE,
-    RANGE,
     TILT,
     TOPICS,
     WHEELS,
@@ -79,8 +81,8 @@ class Snapshot:
     localization: Latest[MapPose] | None
     attitude: Latest[Attitude] | None
     """None: it is no robot that balances."""
-    ranges: dict[str, Latest[Range] | None]
-    """By sensor: first those that the guard knows of, in the order of the robot file."""
+    sensed: dict[str, HeardSensor]
+    """Sensors by name: first those that the guard knows of, in the order of the robot file."""
     cameras: dict[str, Latest[CameraState]]
     """By name."""
     rates: dict[str, KeyRate]
@@ -93,7 +95,7 @@ class Snapshot:
         """Services that the robot does not need: its guard, by the robot file, knows no sensor that they tell of."""
         if self.guard is None or not self.guard.fresh:
             return ()
-        needed = {PUBLISHERS.get(sensor.type) for sensor in self.guard.sample.sensors.values()}
+        needed = {PUBLISHERS.get(kind) for kind in self.guard.sample.sensor_types.values()}
         return tuple(sorted({*PUBLISHERS.values()} - needed))
 
 
@@ -150,8 +152,8 @@ class _Key:
 class Telemetry(LatestSamples):
     """Collects. Times are this host's boot clock in ns."""
 
-    def __init__(self, sensors: tuple[str, ...] = ()) -> None:
-        """`sensors`: names of the robot's ultrasonic sensors, as far as they are known before they are heard."""
+    def __init__(self, sensors: Mapping[str, str] = MappingProxyType({})) -> None:
+        """`sensors`: the type of each sensor by name, as far as they are known before they are heard."""
         super().__init__()
         self._sensors = sensors
         self._keys: dict[str, _Key] = {}
@@ -187,8 +189,7 @@ class Telemetry(LatestSamples):
     def snapshot(self, now_ns: int) -> Snapshot:
         """Everything, as of now."""
         guard = self.latest(GUARD, now_ns)
-        ranges = {heard.sample.sensor: heard for heard in reversed(self.all(RANGE, now_ns))}
-        sensors = (*self._sensors, *(guard.sample.of_type(Ultrasonic.type_name()) if guard else ()), *sorted(ranges))
+        types = {**self._sensors, **(guard.sample.sensor_types if guard else {})}
         return Snapshot(
             silence=None if self._heard_ns is None else _since(self._heard_ns, now_ns),
             odometry=self.latest(ODOM, now_ns),
@@ -202,7 +203,7 @@ class Telemetry(LatestSamples):
             lease=self.latest(LEASE, now_ns),
             localization=self.latest(POSE, now_ns),
             attitude=self.latest(ATTITUDE, now_ns),
-            ranges={sensor: ranges.get(sensor) for sensor in dict.fromkeys(sensors)},
+            sensed=heard_sensors(types, partial(self.all, now_ns=now_ns)),
             cameras={heard.sample.camera: heard for heard in reversed(self.all(CAMERA_STATE, now_ns))},
             rates={name: self._rate(self._keys[name], now_ns) for name in self._names()},
             services={service: len(instances) for service, instances in self.instances.items()},
@@ -220,11 +221,6 @@ class Telemetry(LatestSamples):
         """s of the clock that paces a topic."""
         del topic
         return at_ns * 1e-9
-
-
-def range_key(sensor: str) -> str:
-    """Of the network's word for a sensor, which may be none that a key can have."""
-    return RANGE.key.replace("*", sensor)
 
 
 def _since(then_ns: int, now_ns: int) -> float:

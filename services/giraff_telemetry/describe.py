@@ -4,8 +4,9 @@ import math
 from typing import Final, NamedTuple
 
 from giraff_core.latest import Latest
+from giraff_core.senses.heard import HeardSensor
 from giraff_schemas.camera import CameraState
-from giraff_schemas.messages import Attitude, Battery, DirectionLimit, GuardState, Range
+from giraff_schemas.messages import Attitude, Battery, DirectionLimit, GuardState
 from giraff_schemas.services import HANDS
 from giraff_telemetry.collector import Snapshot
 from giraff_telemetry.localization import short_pose_text
@@ -36,11 +37,14 @@ def moving(snapshot: Snapshot) -> Moving:
     return Moving(path, None, None)
 
 
-def range_text(seen: Latest[Range] | None) -> str:
-    """A range in a word."""
-    if seen is None or not seen.fresh:
-        return "silent"
-    return seen.sample.state if seen.sample.range is None else f"{seen.sample.range:.2f} m"
+def sensor_text(sensor: HeardSensor) -> str:
+    """Return what a sensor says, in a word."""
+    return "silent" if sensor.summary is None else sensor.summary.text
+
+
+def sensors_text(snapshot: Snapshot) -> str:
+    """Return what all sensors say, in a row."""
+    return "ranges " + " ".join(f"{sensor_text(sensor):>6}" for sensor in snapshot.sensed.values())
 
 
 def battery_text(battery: Battery) -> str:

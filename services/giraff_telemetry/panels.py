@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_core.latest import Latest
-from giraff_schemas.messages import Range
+from giraff_core.senses.heard import HeardSensor
 from giraff_schemas.text import printable
 from giraff_schemas.topics import (
     ATTITUDE,
@@ -23,7 +23,8 @@ from giraff_schemas.topics import (
     VISUAL_ODOM,
     covers,
 )
-from giraff_telemetry.collector import KeyRate, Snapshot, range_key
+from giraff_schemas.wire import RANGE_SENSORS
+from giraff_telemetry.collector import KeyRate, Snapshot
 from giraff_telemetry.describe import (
     DIRECTIONS,
     balance_text,
@@ -32,7 +33,7 @@ from giraff_telemetry.describe import (
     battery_text,
     holder_text,
     localization_text,
-    range_text,
+    sensor_text,
     verdicts,
 )
 from giraff_telemetry.layout import HEADING, NONE, block, left, right, text_or_dash, unit
@@ -68,12 +69,18 @@ def motion(path: float | None, speed: float | None, turn: float | None, style: s
 
 def ranges(snapshot: Snapshot) -> Table:
     """What each sensor sees, and how often."""
-    longest = max((len(sensor) for sensor in snapshot.ranges), default=0)
+    longest = max((len(name) for name in snapshot.sensed), default=0)
     table = block("RANGES", min(longest, _LONGEST_SENSOR) + 1, right("", 6), left("", _BAR), right("Hz", 4))
-    for sensor, seen in snapshot.ranges.items():
-        rate = snapshot.rates.get(range_key(sensor))
-        table.add_row(text_or_dash(sensor.replace("_", " ")), range_text(seen), _bar(seen), _hz(rate))
+    for name, sensor in snapshot.sensed.items():
+        rate = snapshot.rates.get(sensor.key)
+        table.add_row(text_or_dash(name.replace("_", " ")), sensor_text(sensor), _bar(sensor), _hz(rate))
     return table
+
+
+def gap(snapshot: Snapshot) -> list[Text]:
+    """Return a blank row; none where the guard names so many sensors that they need it."""
+    named = snapshot.guard.sample.sensors if snapshot.guard else ()
+    return [] if len(named) > RANGE_SENSORS else [Text()]
 
 
 def base(snapshot: Snapshot, *rows: tuple[str, RenderableType]) -> Table:
@@ -122,11 +129,11 @@ def command(snapshot: Snapshot) -> Table:
 
 def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table:
     """How each key flows, but for some services that not all robots have: with more rows it is no longer 24 high."""
-    ranges_shown = {range_key(sensor) for sensor in snapshot.ranges}
+    shown = {sensor.key for sensor in snapshot.sensed.values()}
     rates = [
         (key, rate)
         for key, rate in snapshot.rates.items()
-        if key not in ranges_shown and not any(covers(topic, key) for topic in _LEFT_OUT)
+        if key not in shown and not any(covers(topic, key) for topic in _LEFT_OUT)
     ]
     lost = sum(rate.lost for rate in snapshot.rates.values())
     losing = any(rate.losing for rate in snapshot.rates.values())
@@ -181,10 +188,9 @@ def _speed_unit(direction: str) -> Text:
     return unit("rad/s" if direction.startswith("turn") else "m/s")
 
 
-def _bar(seen: Latest[Range] | None) -> Text:
-    if seen is None or not seen.fresh or seen.sample.range is None:
+def _bar(sensor: HeardSensor) -> Text:
+    if sensor.summary is None or (distance := sensor.summary.nearest) is None:
         return Text("·" * _BAR, style="dim")
-    distance = seen.sample.range
     filled = max(1, round(min(distance, _BAR_REACH) / _BAR_REACH * _BAR))
     style = "red" if distance < 0.3 else "yellow" if distance < 0.8 else "green"
     return Text.assemble(("█" * filled, style), ("·" * (_BAR - filled), "dim"))

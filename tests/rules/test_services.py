@@ -198,7 +198,7 @@ def test_a_script_hears_what_it_can_read_and_what_its_policy_takes() -> None:
     taken = set(re.findall(r"case (\w+)\(\):", (sources / "policy.py").read_text()))
     assert read
     assert set(CLIENT.subscribes) == {
-        topics.RANGE,
+        *SENSED.values(),
         *read,
         *(topic for topic in topics.TOPICS if topic.schema.__name__ in taken),
     }

@@ -19,6 +19,7 @@ from giraff_cli.doctor.inspection import (
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS, IPV4_ALONE
+from giraff_core.senses import PUBLISHERS
 from giraff_node.network.reach import NO_NAME
 from giraff_schemas.actions import ANY
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, ROS2, RUN, SERVICES
@@ -321,7 +322,8 @@ def _of_rates(robot: Robot, machine: Machine) -> Iterator[Finding]:
 def _of_rate(rate: Rate) -> Iterator[Finding]:
     if not rate.heard:
         what = f"{rate.key} is silent, though giraff_{rate.maker} says it is well"
-        yield Finding(severity="fault", about=rate.maker, what=what, fix=f"see the log of giraff_{rate.maker}")
+        anew = "; restart it if the robot file has changed" if rate.maker in PUBLISHERS.values() else ""
+        yield Finding(severity="fault", about=rate.maker, what=what, fix=f"see the log of giraff_{rate.maker}{anew}")
     elif rate.heard >= _FEW and rate.hz is not None and rate.hz < _SLOW * rate.wanted_hz:
         what = f"{rate.key} comes at {rate.hz:.0f} Hz instead of {rate.wanted_hz:.0f}"
         fix = f"the machine of giraff_{rate.maker} is overloaded: see what else runs there"

@@ -9,7 +9,7 @@ import msgspec
 import zenoh
 
 from giraff_cli.doctor.inspection import Geometry, GeometryInUse, HealthReply, Rate, Robot
-from giraff_core.senses import SENSED, Ultrasonic
+from giraff_core.senses import SENSED
 from giraff_node import robot_now_ns
 from giraff_node.network.replies import ask_all
 from giraff_node.network.tcp_options import set_tcp_options
@@ -172,12 +172,10 @@ def rates_of(listener: CountedTelemetry, now: Snapshot) -> Iterable[Rate]:
     wanted = {topic: topic.rate_hz for topic in MAKERS}
     if now.base is not None and now.base.fresh:
         wanted |= dict.fromkeys((WHEELS, ODOM), 1000.0 / max(1, now.base.sample.board.report_ms))
-    guard = now.guard.sample if now.guard is not None and now.guard.fresh else None
-    sensed = {SENSED[each] for each in SENSED if (guard.of_type(each.type_name()) if guard else each is Ultrasonic)}
+    expected = [each.key for each in now.sensed.values()]
+    expected += [topic.key for topic in MAKERS if not topic.names]
     for topic, maker in MAKERS.items():
-        if topic in SENSED.values() and topic not in sensed:
-            continue
-        for key in [key for key in listener.counts if covers(topic, key)] or [topic.key]:
+        for key in dict.fromkeys(key for key in (*listener.counts, *expected) if covers(topic, key)):
             yield Rate(
                 key=key,
                 maker=maker,

@@ -22,7 +22,6 @@ from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
-from giraff_core.senses import Ultrasonic
 from giraff_node import robot_now_ns
 from giraff_node.network.query_client import EStopClient, QueryClient, request_estop
 from giraff_node.process.state import write_file_durably
@@ -142,7 +141,7 @@ class Run:
         try:
             if self._robot.start_simulator(self._stopping):
                 room = read_room(self._plan.world).outlines()
-                telemetry = RunTelemetry(tuple(self._plan.robot.of(Ultrasonic)), self._robot.truth(), room)
+                telemetry = RunTelemetry(self._plan.robot.sensor_types, self._robot.truth(), room)
                 self._watch(telemetry)
         except (StartError, SimulatorError) as error:
             self._note_ended()

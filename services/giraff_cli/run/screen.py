@@ -14,7 +14,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.services import LOCALIZATION, VISION
 from giraff_schemas.text import printable
 from giraff_telemetry import panels as blocks
-from giraff_telemetry.describe import base_text, forward_text, localization_text, range_text
+from giraff_telemetry.describe import base_text, forward_text, localization_text, sensors_text
 from giraff_telemetry.layout import HEADING, NONE, ServiceStatus, beside, block, clock, header, notice, right, services
 from giraff_telemetry.panels import dim
 from giraff_telemetry.visual_odometry import visual_text
@@ -29,7 +29,7 @@ def line(snapshot: RunSnapshot, elapsed: float) -> str:
         f"x {pose.x:z6.2f} y {pose.y:z6.2f} m, {math.degrees(pose.yaw):z6.1f}°",
         f"path {truth.path:6.2f} m",
         f"{truth.speed:z5.2f} m/s",
-        "ranges " + " ".join(f"{range_text(seen):>6}" for seen in snapshot.ranges.values()),
+        sensors_text(snapshot),
         f"forward {forward_text(snapshot.guard)}",
         f"base {base_text(snapshot)}",
         f"lost {sum(rate.lost for rate in snapshot.rates.values())}",

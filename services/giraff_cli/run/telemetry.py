@@ -2,17 +2,18 @@
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import Latest
+from giraff_core.senses import SENSED
 from giraff_maps.room_file import Point
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
-from giraff_schemas.topics import ODOM, POSE, RANGE, TICK, TILT, VISUAL_ODOM, WHEELS, Topic
+from giraff_schemas.topics import ODOM, POSE, TICK, TILT, VISUAL_ODOM, WHEELS, Topic
 from giraff_sim.bodies.registry import DrawnBody
 from giraff_sim.world.body import Balance
 from giraff_telemetry.collector import Snapshot, Telemetry
@@ -124,7 +125,7 @@ def _between(before: Odometry, after: Odometry, robot_ns: int) -> Pose:
     return Pose(before.x, before.y, before.yaw).towards(Pose(after.x, after.y, after.yaw), share)
 
 
-_BY_BOARD: Final = {topic.key for topic in (TILT, RANGE, WHEELS, ODOM)}
+_BY_BOARD: Final = {topic.key for topic in (TILT, *SENSED.values(), WHEELS, ODOM)}
 """What the boards' clocks pace: judged in simulated time, in which all three agree. The rest goes by the wall's."""
 
 
@@ -155,7 +156,7 @@ class RunSnapshot(Snapshot):
 class RunTelemetry(Telemetry):
     """Collects, on base's host: times are the robot's clock in ns."""
 
-    def __init__(self, sensors: tuple[str, ...], truth: Truth, room: Sequence[Sequence[Point]] = ()) -> None:
+    def __init__(self, sensors: Mapping[str, str], truth: Truth, room: Sequence[Sequence[Point]] = ()) -> None:
         """`truth`: from before anything is heard. `room`: lines that show what stands in it, m."""
         super().__init__(sensors)
         self.truth = truth

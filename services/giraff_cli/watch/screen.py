@@ -9,6 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_core.latest import FRESH, Latest
+from giraff_core.senses import Ultrasonic
+from giraff_core.senses.heard import HeardSensor
 from giraff_schemas.services import ROBOTS_OWN
 from giraff_telemetry import panels as blocks
 from giraff_telemetry.collector import KeyRate, Snapshot
@@ -23,7 +25,8 @@ from giraff_telemetry.describe import (
     limit_text,
     localization_text,
     moving,
-    range_text,
+    sensor_text,
+    sensors_text,
 )
 from giraff_telemetry.layout import (
     NONE,
@@ -82,9 +85,9 @@ class WatchView:
                 blocks.motion(*moving(snapshot), style=dim(snapshot.odometry)),
                 _operator(snapshot),
             ),
-            Text() if snapshot.localization is None else blocks.localization(snapshot),
+            *(blocks.gap(snapshot) if snapshot.localization is None else [blocks.localization(snapshot)]),
             beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", text_or_dash(estop_text(snapshot))))),
-            blocks.balance(snapshot),
+            *(blocks.gap(snapshot) if snapshot.attitude is None else [blocks.balance(snapshot)]),
             blocks.guard(snapshot),
             blocks.topics(snapshot, _TOPIC_COLUMNS, with_age=True),
             why(limit_text(snapshot)),
@@ -102,7 +105,7 @@ def _told(snapshot: Snapshot) -> list[str]:
     told = [
         f"path {path:>6} m",
         f"{speed:>5} m/s {turn:>5} rad/s",
-        "ranges " + " ".join(f"{range_text(seen):>6}" for seen in snapshot.ranges.values()),
+        sensors_text(snapshot),
         f"forward {forward_text(snapshot.guard)}",
         f"holder {holder_text(snapshot) or 'unknown'}",
         f"base {base_text(snapshot)}",
@@ -191,6 +194,9 @@ class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
     """How many of each are on the network."""
     odometry: dict[str, Any] | None
     ranges: dict[str, dict[str, Any] | None]
+    """Newest sample of each ultrasonic sensor."""
+    sensed: dict[str, dict[str, Any]]
+    """All sensors by name: `type`, `text` in a word, `nearest` (m, 0 where it touches) and `age` (s)."""
     lease: dict[str, Any] | None
     guard: dict[str, Any] | None
     base: dict[str, Any] | None
@@ -230,7 +236,8 @@ def report(view: WatchView) -> WatchReport:
         missing=missing(snapshot),
         services=snapshot.services,
         odometry=_sample(snapshot.odometry),
-        ranges={sensor: _sample(seen) for sensor, seen in snapshot.ranges.items()},
+        ranges={name: _sample(each.newest) for name, each in snapshot.sensed.items() if each.sense is Ultrasonic},
+        sensed={name: _sensor(each) for name, each in snapshot.sensed.items()},
         lease=_sample(snapshot.lease),
         guard=_sample(snapshot.guard),
         base=_sample(snapshot.base),
@@ -248,6 +255,12 @@ def _sample(seen: Latest[Any] | None) -> dict[str, Any] | None:
     if seen is None:
         return None
     return {"age": round(seen.age, 3), **msgspec.to_builtins(seen.sample)}
+
+
+def _sensor(sensor: HeardSensor) -> dict[str, Any]:
+    nearest = None if sensor.summary is None else sensor.summary.nearest
+    age = None if sensor.newest is None else round(sensor.newest.age, 3)
+    return {"type": sensor.sense.type_name(), "text": sensor_text(sensor), "nearest": nearest, "age": age}
 
 
 def _topic(rate: KeyRate) -> TopicReport:

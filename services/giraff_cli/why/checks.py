@@ -7,14 +7,17 @@ import msgspec
 from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.latest import Latest
 from giraff_core.lease import IDLE
-from giraff_core.senses import PUBLISHERS, Ultrasonic
+from giraff_core.senses import PUBLISHERS
+from giraff_core.senses.heard import HeardSensor, heard_sensors
 from giraff_guard.config import GuardConfig
-from giraff_schemas.messages import DirectionLimit, DriveCommand, Range
-from giraff_schemas.services import HANDS, RANGER, ROS2
-from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
+from giraff_schemas.messages import DirectionLimit, DriveCommand
+from giraff_schemas.services import HANDS, ROS2
+from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, WHEELS
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.describe import START_A_HAND, battery_text, posture_text, verdicts
 
+SENSING: Final = tuple(dict.fromkeys(PUBLISHERS.values()))
+"""Services that tell what the robot's sensors say. Each is a link."""
 _BUDGET: Final = GuardConfig().operator_budget
 _NOT_ARMED: Final = Trouble("not armed", action="hold_level")
 _NOT_ASKED: Final = Trouble("nobody holds it", action="ask")
@@ -117,32 +120,40 @@ def lease(chain: ChainState) -> Link:
     return link_from("lease", "waits" if excused else "STOPS", heard, text)
 
 
-def ranger(chain: ChainState) -> Link:
-    """The ultrasonic sensors. One that is blind stops what relies on it, and limits the rest."""
-    readings = {heard.sample.sensor: heard for heard in reversed(chain.observation.of(RANGE))}
-    if not readings:
-        is_alive, state = RANGER.name in chain.observation.alive, chain.guard
-        if state is None:
-            return Link(name="ranger", status="waits", text="the guard, which knows the sensors, is not heard")
-        is_needed = any(PUBLISHERS.get(sensor.type) == RANGER.name for sensor in state.sample.sensors.values())
-        if not state.sample.of_type(Ultrasonic.type_name()) and (is_alive or not is_needed):
-            return link_from("ranger", "ok", state, "the robot file has no ultrasonic sensor")
-        if is_alive:
-            return chain.silent("ranger", "ranger")
-        how = "start it on the machine that the ranger board is plugged into"
-        return Link(name="ranger", status="missing", text=f"giraff_ranger is not running, or hangs; {how}")
-    newest = min(readings.values(), key=lambda heard: heard.age)
-    known = set(readings if chain.guard is None else chain.guard.sample.of_type(Ultrasonic.type_name()))
-    blind = dict.fromkeys(known - readings.keys(), "not heard; check giraff_ranger")
-    faults = {name: heard.sample.reason for name, heard in readings.items() if heard.sample.state == "fault"}
-    blind |= {name: chain.tell("ranger", reason) for name, reason in faults.items()}
+def sensors(service: str, chain: ChainState) -> Link:
+    """The sensors that `service` reads. One that is blind stops what relies on it, and limits the rest."""
+    known = {} if chain.guard is None else chain.guard.sample.sensor_types
+    found = sorted(heard_sensors(known, chain.observation.of).items())
+    theirs = {name: each for name, each in found if PUBLISHERS.get(each.sense.type_name()) == service}
+    heard = [each.newest for each in theirs.values() if each.newest is not None]
+    if not heard:
+        return _unheard(service, theirs, chain)
+    blind, said = {}, {name: each.summary for name, each in theirs.items()}
+    for name, summary in said.items():
+        if summary is None:
+            blind[name] = f"not heard; check giraff_{service}"
+        elif summary.trouble:
+            blind[name] = chain.tell(service, summary.trouble)
+    newest = min(heard, key=lambda each: each.age)
     if not blind:
-        return link_from(
-            "ranger", "ok", newest, ", ".join(_distance(heard.sample) for _, heard in sorted(readings.items()))
-        )
+        text = ", ".join(f"{name} {summary.text}" for name, summary in said.items() if summary is not None)
+        return link_from(service, "ok", newest, text)
     stops = any(verdict.sensor in blind for _, verdict in chain.blocked)
-    text = "; ".join(f"{name}: {why}" for name, why in sorted(blind.items()))
-    return link_from("ranger", "STOPS" if stops else "limits", newest, text)
+    lines = [f"{name}: {why}" for name, why in blind.items()]
+    if None in said.values():  # which its service may know a cause of
+        lines += [chain.tell(service, own) for own in chain.observation.faults(service) if not chain.is_told(own)]
+    return link_from(service, "STOPS" if stops else "limits", newest, "; ".join(lines))
+
+
+def _unheard(service: str, theirs: dict[str, HeardSensor], chain: ChainState) -> Link:
+    if chain.guard is None:
+        return Link(name=service, status="waits", text="the guard, which knows the sensors, is not heard")
+    if not theirs:
+        return link_from(service, "ok", chain.guard, "the robot file has no sensor")
+    if service in chain.observation.alive:
+        return chain.silent(service, service)
+    how = f"start it on the machine that the {service} board is plugged into"
+    return Link(name=service, status="missing", text=f"giraff_{service} is not running, or hangs; {how}")
 
 
 def guard(chain: ChainState) -> Link:
@@ -157,7 +168,7 @@ def guard(chain: ChainState) -> Link:
         return link_from("guard", "waits", heard, text)
     if blocked := chain.blocked:
         text = chain.tell("guard", *(_judged(way, verdict) for way, verdict in blocked))
-        return link_from("guard", "waits" if chain.broken("ranger") else "STOPS", heard, text)
+        return link_from("guard", "waits" if chain.broken(*SENSING) else "STOPS", heard, text)
     limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.clearance in ("blocked", "creep")]
     limits += [each.trouble.of(f"{name} is not trusted") for name, each in state.sensors.items() if each.trouble]
     is_told = chain.lease is not None and state.reason == chain.lease.sample.reason
@@ -203,7 +214,7 @@ def _armed(chain: ChainState) -> Link:
     if chain.clock is None:
         return link_from("base", "STOPS", heard, "it gives no clock; restart giraff_base")
     power = f", battery {battery_text(battery.sample)}" if battery is not None else ""
-    excused = chain.broken("operator", "hand", "lease", "ranger", "guard", "e-stop", "board")
+    excused = chain.broken("operator", "hand", "lease", *SENSING, "guard", "e-stop", "board")
     reason = "see e-stop" if chain.broken("e-stop") else chain.tell_once("base", state.reason) or "not armed"
     # A base with a reason of its own forbids to move, whoever asks.
     is_idle = chain.links["lease"].status == "idle" and state.reason == IDLE
@@ -236,7 +247,3 @@ def wheels(chain: ChainState) -> Link:
 
 def _judged(way: str, verdict: DirectionLimit) -> Trouble:
     return verdict.reason.of(f"{way} {'blocked' if verdict.allowed == 0.0 else 'only creeps'}")
-
-
-def _distance(reading: Range) -> str:
-    return f"{reading.sensor} {reading.state if reading.range is None else f'{reading.range:.2f} m'}"

@@ -3,6 +3,8 @@
 import socket
 import time
 from collections import deque
+from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 import msgspec
@@ -16,7 +18,7 @@ from giraff_node.network.replies import ask_all
 from giraff_node.network.tokens import list_robots
 from giraff_node.process.version import version
 from giraff_schemas.health import Health
-from giraff_schemas.services import BASE, GUARD, HANDS, RANGER
+from giraff_schemas.services import BASE, GUARD, HANDS
 from giraff_schemas.text import printable
 from giraff_schemas.topics import CAMERA_STATE, health_key
 from giraff_telemetry.describe import seen_text
@@ -32,7 +34,7 @@ _FIRST_WITHIN: Final = 3.0  # s until the first word of a robot that is there
 _LOOK_EVERY: Final = 0.05  # s
 _BY_NAME_AFTER: Final = 0.5  # s without an answer to the question to all; then a service is asked by its own name
 _HANGS_AFTER: Final = 2.0  # s without an answer to that
-_JUDGED: Final = frozenset({BASE.name, GUARD.name, RANGER.name, *HANDS})
+_JUDGED: Final = frozenset({BASE.name, GUARD.name, *links.SENSING, *HANDS})
 """Services of the chain. No other one is waited for."""
 _MOST_ANSWERS: Final = 1000  # that are kept; on an open network anybody may answer
 _STYLES: Final[dict[LinkStatus, str]] = {
@@ -43,14 +45,14 @@ _STYLES: Final[dict[LinkStatus, str]] = {
     "STOPS": "bold red",
     "missing": "bold red",
 }
-LINKS: Final = ("hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels")
+LINKS: Final = ("hand", "operator", "lease", *links.SENSING, "guard", "base", "e-stop", "board", "wheels")
 """From hand to wheel, as they are told."""
 
-_JUDGES: Final = {
+_JUDGES: Final[dict[str, Callable[[ChainState], Link]]] = {
     "operator": links.operator,
     "hand": links.hand,
     "e-stop": links.estop,
-    "ranger": links.ranger,
+    **{service: partial(links.sensors, service) for service in links.SENSING},
     "guard": links.guard,
     "board": links.board,
     "lease": links.lease,

@@ -1,6 +1,7 @@
 """The robot's state as ROS's diagnostics: a row for each part, by the newest sample of it."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
@@ -9,10 +10,12 @@ from rosbags.typesys.stores.ros2_kilted import diagnostic_msgs__msg__DiagnosticS
 from rosbags.typesys.stores.ros2_kilted import diagnostic_msgs__msg__KeyValue as KeyValue
 
 from giraff_core.latest import Latest, LatestSamples
+from giraff_core.senses import Sense
+from giraff_core.senses.heard import heard_sensors
 from giraff_ros2.messages.header import header
 from giraff_schemas import topics
 from giraff_schemas.actions import ROS
-from giraff_schemas.messages import BaseState, Battery, EStop, GuardState, Lease, Range
+from giraff_schemas.messages import BaseState, Battery, EStop, GuardState, Lease
 from giraff_schemas.topics import Topic
 
 _OK, _WARN, _ERROR, _STALE = range(4)
@@ -29,19 +32,13 @@ def diagnostics(stamp_ns: int, robot: str, newest: LatestSamples, now_ns: int) -
     """Return a row for each part. `robot`: its name; `now_ns`: of the clock by which `newest` has heard."""
     rows = {part: _row(newest.latest(topic, now_ns), tell) for part, topic, tell in _PARTS}
     guard = newest.latest(topics.GUARD, now_ns)
-    doubts = (
-        {name: each.trouble.line(ROS) for name, each in guard.sample.sensors.items()}
-        if guard is not None and guard.fresh
-        else {}
-    )
-    ranges: dict[str, Latest[Range]] = {}
-    for each in newest.all(topics.RANGE, now_ns):
-        ranges.setdefault(each.sample.sensor, each)
-    for sensor in sorted({*ranges, *doubts}):
-        row = _row(ranges[sensor], _range) if sensor in ranges else _Row(_OK, "trusted")
-        if row.level == _OK and doubts.get(sensor):
-            row = row._replace(level=_WARN, message=doubts[sensor])
-        rows[f"sensor {sensor}"] = row
+    judged = guard.sample.sensors if guard is not None and guard.fresh else {}
+    types = {name: each.type for name, each in judged.items()}
+    for name, sensor in heard_sensors(types, partial(newest.all, now_ns=now_ns)).items():
+        row = _row(sensor.newest, partial(_sensor, sensor.sense)) if sensor.newest else _Row(_OK, "trusted")
+        if row.level == _OK and name in judged and (doubt := judged[name].trouble):
+            row = row._replace(level=_WARN, message=doubt.line(ROS))
+        rows[f"sensor {name}"] = row
     return DiagnosticArray(
         header(stamp_ns, ""),
         [
@@ -111,10 +108,10 @@ def _battery(battery: Battery) -> _Row:
     return _Row(_OK, f"{battery.voltage:.2f} V", values)
 
 
-def _range(reading: Range) -> _Row:
-    if reading.state == "fault":
-        return _Row(_ERROR, reading.reason.line(ROS) or "the sensor has a fault", {"state": reading.state})
-    return _Row(_OK, reading.state, {"state": reading.state, "range (m)": reading.range})
+def _sensor(sense: type[Sense], sample: Any) -> _Row:
+    text, nearest, trouble = sense.summary(sample)
+    values = {"state": text, "nearest (m)": nearest}
+    return _Row(_ERROR, trouble.line(ROS), values) if trouble else _Row(_OK, text, values)
 
 
 def _text(value: object) -> str:

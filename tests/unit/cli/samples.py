@@ -3,11 +3,14 @@
 import math
 from typing import Any
 
+import msgspec
+
 from giraff_cli.run.telemetry import RunTelemetry, Truth
 from giraff_core.estop.latch import SEE_THAT_IT_MAY
 from giraff_core.kinematics.pose import Pose
-from giraff_core.senses import Ultrasonic
+from giraff_core.senses import Bumper, Ultrasonic
 from giraff_schemas import topics
+from giraff_schemas.bumper import Bump
 from giraff_schemas.camera import Asker, CameraState, VisualOdometry
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import (
@@ -37,6 +40,8 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_telemetry.collector import Telemetry
 
 SENSORS = ("front_left", "front_right", "rear")
+TYPES = dict.fromkeys(SENSORS, Ultrasonic.type_name())
+BUMPERS = ("front", "back")
 EPOCH = 7
 START = Pose(1.5, 2.2, 0.0)
 MS = 1_000_000
@@ -142,8 +147,15 @@ def guard(forward: DirectionLimit) -> GuardState:
         turn_right=verdict(),
         operator="hand",
         reason=forward.reason,
-        sensors=dict.fromkeys(SENSORS, SensorState(type=Ultrasonic.type_name())),
+        sensors={name: SensorState(type=kind) for name, kind in TYPES.items()},
     )
+
+
+def with_bumpers(forward: DirectionLimit) -> GuardState:
+    """Of a robot that has bumpers, too."""
+    state = guard(forward)
+    bumpers = dict.fromkeys(BUMPERS, SensorState(type=Bumper.type_name()))
+    return msgspec.structs.replace(state, sensors=state.sensors | bumpers)
 
 
 def base(
@@ -181,6 +193,10 @@ def lease(holder: str = "hand", operator: str = "joystick") -> Lease:
 
 def reading(sensor: str, distance: float | None, state: RangeState = "echo", reason: str = "") -> Range:
     return Range(sensor=sensor, state=state, range=distance, echo_us=0, reason=Trouble(reason), tick=None)
+
+
+def bump(sensor: str, *, pressed: bool = False) -> Bump:
+    return Bump(sensor=sensor, pressed=pressed, tick=None)
 
 
 def camera(*askers: str, reason: str = "") -> CameraState:
@@ -230,7 +246,7 @@ class Network:
 
 def ten_seconds() -> RunTelemetry:
     """A run that has heard ten seconds of it."""
-    telemetry = RunTelemetry(SENSORS, truth(0))
+    telemetry = RunTelemetry(TYPES, truth(0))
     drive_ten_seconds(telemetry)
     return telemetry
 

@@ -32,7 +32,7 @@ from giraff_tools.network.limits import limits_of
 from giraff_tools.terminal.screen import as_svg
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT
-from tests.unit.cli.samples import SENSORS, base, estop, guard, odometry, reading, verdict
+from tests.unit.cli.samples import TYPES, base, bump, estop, guard, odometry, reading, verdict, with_bumpers
 from tests.unit.cli.typed import Giraff
 from tests.unit.keyboard.keyboards import Person
 
@@ -60,7 +60,7 @@ class Desk:
     def __init__(self, *, ticks: bool = True) -> None:
         self.person = Person(KeyboardConfig())
         self.person.wait(0.2, ticks=ticks)
-        self.view = DriveView("giraff", SENSORS)
+        self.view = DriveView("giraff", TYPES)
         self.stop, self.seq = NO_TROUBLE, 0
         self.take(base(), guard(verdict()), estop(), Battery(voltage=24.3), odometry(0, 1.25, 0.5, 0.3))
         self.take(reading("front_left", 1.23), reading("front_right", None, "clear"), reading("rear", 0.4))
@@ -282,6 +282,13 @@ def test_speed_path_pose_ranges_and_battery_are_told() -> None:
         r"turn right +free +0\.40 rad/s",
     ):
         assert re.search(wanted, text), f"{wanted} is not in\n{text}"
+
+
+def test_bumpers_have_rows_where_gaps_were() -> None:
+    desk = Desk().take(with_bumpers(verdict()), bump("front", pressed=True))
+    rows = drawn(desk.picture)
+    assert len(rows) == ROWS
+    assert [row.split()[:2] for row in rows[-2:]] == [["front", "pushed"], ["back", "silent"]]
 
 
 def answer(**changes: Any) -> ParamAnswer:

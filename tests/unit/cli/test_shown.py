@@ -27,7 +27,7 @@ from tests.support import balancer_file
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (
     MS,
-    SENSORS,
+    TYPES,
     Network,
     attitude,
     base,
@@ -193,7 +193,7 @@ def test_an_emergency_stop_and_a_latch_show() -> None:
 
 def test_the_view_says_so_when_nothing_is_known() -> None:
     starting = replace(FRAME, seconds=None, services={"base": "starting"})
-    text = "\n".join(rendered(RunTelemetry(SENSORS, truth(0)).snapshot(0), starting))
+    text = "\n".join(rendered(RunTelemetry(TYPES, truth(0)).snapshot(0), starting))
     assert "silent" in text
     assert "0:12 ─" in text
     assert "○ base" in text
@@ -203,7 +203,7 @@ def test_the_line_is_one_line() -> None:
     shown = line(ten_seconds().snapshot(10 * SECOND), 12.34)
     assert shown.startswith("  12.3 s | x   4.00 y   0.00 m")
     assert "ranges 1.23 m  clear  fault | forward slow (front_left) | base driving | lost 0" in shown
-    assert "\n" not in line(RunTelemetry(SENSORS, truth(0)).snapshot(0), 0.0)
+    assert "\n" not in line(RunTelemetry(TYPES, truth(0)).snapshot(0), 0.0)
 
 
 def summary(
@@ -267,7 +267,7 @@ def test_the_summary_tells_how_well_it_knew_its_place() -> None:
 
 
 def test_the_summary_does_not_make_up_what_nobody_heard() -> None:
-    told = summary(RunTelemetry(SENSORS, truth(2 * SECOND)))
+    told = summary(RunTelemetry(TYPES, truth(2 * SECOND)))
     assert told.odom_error_m is None
     assert (told.odom_sigma_m, told.odom_mahalanobis, told.within_ellipse) == (None, None, None)
     assert told.age_ms is None
@@ -290,7 +290,7 @@ def test_the_summary_says_odometrys_error_beside_what_odometry_takes_it_for() ->
 def test_the_summary_says_whether_the_truth_is_where_odometry_takes_it_to_be(
     sigma: float, off: float, word: str
 ) -> None:
-    telemetry = RunTelemetry(SENSORS, truth(0))
+    telemetry = RunTelemetry(TYPES, truth(0))
     network = Network(telemetry)
     for ms in range(0, 5001, 10):
         sample = odometry(ms * MS, 0.5e-3 * ms + 1e-5 * ms)

@@ -17,8 +17,8 @@ from giraff_tools.network.statistics import AgeHistogram
 from tests.unit.cli.samples import (
     EPOCH,
     MS,
-    SENSORS,
     START,
+    TYPES,
     Network,
     command,
     drive_ten_seconds,
@@ -32,7 +32,7 @@ SECOND = 1000 * MS
 
 
 def quiet() -> tuple[RunTelemetry, Network]:
-    telemetry = RunTelemetry(SENSORS, truth(0))
+    telemetry = RunTelemetry(TYPES, truth(0))
     return telemetry, Network(telemetry)
 
 
@@ -148,7 +148,7 @@ def test_the_true_pose_is_told_in_the_frame_of_odometry_once_that_has_begun() ->
 
 def test_the_room_is_told_in_the_frame_of_odometry_and_seldom() -> None:
     corner, session = (START.x, START.y + 1.0), MagicMock()
-    telemetry = RunTelemetry(SENSORS, truth(0), [[corner, (START.x + 3.0, START.y)]])
+    telemetry = RunTelemetry(TYPES, truth(0), [[corner, (START.x + 3.0, START.y)]])
     assert telemetry.walls() == ()
     drive_ten_seconds(telemetry)
     [line] = telemetry.walls()

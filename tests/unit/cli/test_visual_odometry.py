@@ -9,7 +9,7 @@ from giraff_cli.run.summary import to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_schemas import topics
 from giraff_telemetry.visual_odometry import VisualSummary
-from tests.unit.cli.samples import MS, SENSORS, Network, odometry, seen, ten_seconds, truth
+from tests.unit.cli.samples import MS, TYPES, Network, odometry, seen, ten_seconds, truth
 from tests.unit.cli.test_shown import FRAME, SECOND, rendered, summary
 
 END = 10_600
@@ -18,7 +18,7 @@ END = 10_600
 
 def drive_seen(last: str = "", maker: str = "m") -> RunTelemetry:
     """A drive of 4 m at 0.4 m/s, seen from the second metre on: the camera tells 1 % too much of it, the wheels 2 %."""
-    telemetry = RunTelemetry(SENSORS, truth(0))
+    telemetry = RunTelemetry(TYPES, truth(0))
     network = Network(telemetry)
     for ms in range(0, END + 1, 10):
         x = min(0.4e-3 * ms, 4.0)

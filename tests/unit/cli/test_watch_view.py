@@ -22,6 +22,7 @@ from tests.unit.cli.samples import (
     Network,
     attitude,
     base,
+    bump,
     camera,
     drive_ten_seconds,
     estop,
@@ -30,6 +31,7 @@ from tests.unit.cli.samples import (
     reading,
     verdict,
     wheels,
+    with_bumpers,
 )
 
 SECOND = 1000 * MS
@@ -172,11 +174,33 @@ def test_sensors_are_learnt_from_the_network() -> None:
     telemetry = Telemetry()
     network = Network(telemetry)
     network.send(topics.RANGE, reading("a_side", 0.5), NOW, name="a_side")
-    assert list(telemetry.snapshot(NOW).ranges) == ["a_side"]
+    assert list(telemetry.snapshot(NOW).sensed) == ["a_side"]
     network.send(topics.GUARD, guard(verdict()), NOW)
-    ranges = telemetry.snapshot(NOW).ranges
-    assert list(ranges) == [*SENSORS, "a_side"]
-    assert ranges["rear"] is None
+    sensed = telemetry.snapshot(NOW).sensed
+    assert list(sensed) == [*SENSORS, "a_side"]
+    assert sensed["rear"].newest is None
+
+
+def test_a_bumper_has_a_row_beside_the_ranges_on_80_by_24() -> None:
+    telemetry, network = listening()
+    network.send(topics.GUARD, with_bumpers(verdict()), NOW)
+    network.send(topics.BUMPER, bump("front", pressed=True), NOW, name="front")
+    network.send(topics.RANGE, reading("back", 1.0), NOW, name="back")  # by whoever: the guard calls it a bumper
+    rows = [row.rstrip() for row in drawn(view(telemetry, notices=("n" * 200,)))]
+    assert len(rows) <= 24
+    assert any(re.match(r"front +pushed █·{11}", row) for row in rows), rows
+    assert any(re.match(r"back +silent ·{12}", row) for row in rows), rows
+    assert not any(row.startswith("bumper/") for row in rows)
+    assert "| ranges 1.23 m  clear  fault pushed silent |" in view(telemetry).line()
+    told = report(telemetry)
+    assert set(told["ranges"]) == set(SENSORS)
+    assert told["sensed"] == {
+        "front_left": {"type": "hc-sr04", "text": "1.23 m", "nearest": 1.23, "age": 0.1},
+        "front_right": {"type": "hc-sr04", "text": "clear", "nearest": None, "age": 0.1},
+        "rear": {"type": "hc-sr04", "text": "fault", "nearest": None, "age": 0.1},
+        "front": {"type": "bumper", "text": "pushed", "nearest": 0.0, "age": 0.0},
+        "back": {"type": "bumper", "text": "silent", "nearest": None, "age": None},
+    }
 
 
 def test_what_the_network_says_cannot_steer_the_terminal_or_break_a_row() -> None:
@@ -232,7 +256,19 @@ def test_the_report_has_the_names_that_are_promised() -> None:
     told = report(heard())
     assert set(told) == {
         *("robot", "elapsed", "silence", "waiting", "path", "speed", "turn", "state", "why", "missing", "services"),
-        *("odometry", "ranges", "lease", "guard", "base", "estop", "battery", "localization", "attitude", "cameras"),
+        *(
+            "odometry",
+            "ranges",
+            "sensed",
+            "lease",
+            "guard",
+            "base",
+            "estop",
+            "battery",
+            "localization",
+            "attitude",
+            "cameras",
+        ),
         *("topics", "unreadable"),
     }
     assert (told["robot"], told["elapsed"], told["silence"]) == ("giraff", 12.34, 0.0)

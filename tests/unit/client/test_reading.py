@@ -1,14 +1,16 @@
 """What a script reads: which sensors there are, what of them is a fault, and which way is blocked."""
 
 import math
+from typing import Any
 
 import msgspec
 import pytest
 
-from giraff_client.reading import blockage, has_heard_each_sensor, ranges_of, require_finite
+from giraff_client import Bump, RobotError, SilentError
+from giraff_client.reading import Heard, States, blockage, has_heard_each_sensor, ranges_of, require_finite
 from giraff_core.latest import LatestSamples, is_fresh
 from giraff_schemas.messages import Battery, Direction, GuardState, Sample
-from giraff_schemas.topics import BATTERY, ESTOP, GUARD, ODOM
+from giraff_schemas.topics import BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
 from tests.unit.cli import samples
 
 NOW = 100.0
@@ -26,9 +28,9 @@ def heard(*sensors: str, guard: bool = True, ago: float = 0.1) -> dict[str, tupl
 
 
 def test_each_sensor_of_the_robot_is_waited_for() -> None:
-    assert not has_heard_each_sensor(heard("front_left", "rear"))
-    assert has_heard_each_sensor(heard(*samples.SENSORS))
-    assert not has_heard_each_sensor(heard(*samples.SENSORS, guard=False)), "nobody has told which there are"
+    assert not has_heard_each_sensor(RANGE, heard("front_left", "rear"))
+    assert has_heard_each_sensor(RANGE, heard(*samples.SENSORS))
+    assert not has_heard_each_sensor(RANGE, heard(*samples.SENSORS, guard=False)), "nobody has told which there are"
 
 
 def test_one_that_was_never_heard_is_a_fault_and_never_left_out() -> None:
@@ -50,6 +52,44 @@ def test_one_that_has_fallen_silent_is_a_fault() -> None:
 def test_without_the_guard_there_are_those_that_are_heard() -> None:
     assert set(ranges_of(heard("front_left", "rear", guard=False), NOW)) == {"front_left", "rear"}
     assert ranges_of(heard(guard=False), NOW) == {}
+
+
+class Script(States):
+    """A script that has heard this of its robot."""
+
+    def __init__(self, state: GuardState, **bumpers: tuple[bool, float]) -> None:
+        """`bumpers`: by name, whether something pushes it, and how long ago it said so, s."""
+        self.heard: dict[str, tuple[Sample, float]] = {
+            f"bumper/{name}": (samples.bump(name, pressed=pressed), NOW - ago)
+            for name, (pressed, ago) in bumpers.items()
+        }
+        self.heard[GUARD.key] = state, NOW
+
+    def _hear_each(self, topic: Topic[Any]) -> tuple[Heard, float]:
+        del topic
+        return self.heard, NOW
+
+    def _silence(self, text: str) -> RobotError:
+        return SilentError(text)
+
+    def _fresh(self, topic: Topic[SampleT], remedy: str) -> SampleT:
+        del remedy
+        sample = self.heard[topic.key][0]
+        assert isinstance(sample, topic.schema)
+        return sample
+
+
+def test_what_bumpers_say_is_read_and_none_is_left_out() -> None:
+    free, both = samples.guard(samples.verdict()), samples.with_bumpers(samples.verdict())
+    assert Script(free).sensed(Bump) == {}, "it has none"
+    heard = Script(both, back=(False, 1.0), front=(True, 0.0)).sensed(Bump)
+    assert {name: bump.pressed for name, bump in heard.items()} == {"front": True, "back": False}
+    with pytest.raises(SilentError, match=r"^bumper/back was never heard; check that giraff_ranger runs, .*wires$"):
+        Script(both, front=(True, 0.0)).sensed(Bump)
+    with pytest.raises(SilentError, match=r"^bumper/back is silent for 1\.1 s; check giraff_ranger and its board$"):
+        Script(both, front=(False, 0.0), back=(False, 1.1)).sensed(Bump)
+    with pytest.raises(ValueError, match=r"sensed\(Battery\): .*; take one of Range, Bump"):
+        Script(both).sensed(Battery)
 
 
 def test_one_lost_sample_makes_nothing_silent() -> None:

@@ -20,12 +20,13 @@ from rosbags.typesys import Stores, get_typestore
 from giraff_core.kinematics.parts import PartPose
 from giraff_core.latest import LatestSamples
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import Camera, Ultrasonic
+from giraff_core.senses import Bumper, Camera, Ultrasonic
 from giraff_ros2.messages import pose, sensors
 from giraff_ros2.messages.diagnostics import diagnostics
 from giraff_ros2.messages.header import quaternion, stamp
 from giraff_ros2.messages.occupancy import occupancy
 from giraff_ros2.messages.urdf import urdf
+from giraff_schemas.bumper import Bump
 from giraff_schemas.camera import Picture
 from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
 from giraff_schemas.messages import (
@@ -335,6 +336,7 @@ def test_diagnostics_by_hand() -> None:
         ),
         9.9,
     )
+    newest.add(Bump(sensor="rim", pressed=True, tick=None), 9.9)
     free = DirectionLimit(allowed=0.5, clearance="free", sensor="")
     newest.add(
         GuardState(
@@ -346,6 +348,7 @@ def test_diagnostics_by_hand() -> None:
             reason=Trouble("a wall is near"),
             sensors={
                 "front": SensorState(type=Ultrasonic.type_name()),
+                "rim": SensorState(type=Bumper.type_name()),
                 "rear": SensorState(type=Ultrasonic.type_name(), trouble=Trouble("it is deaf", "clean it")),
             },
         ),
@@ -359,6 +362,7 @@ def test_diagnostics_by_hand() -> None:
         "r1: lease": (0, "keyboard drives"),
         "r1: battery": (3, "nothing was heard of it for 8 s; run `giraff doctor` on the robot"),
         "r1: sensor front": (2, str(deaf.reason)),
+        "r1: sensor rim": (0, "pushed"),
         "r1: sensor rear": (1, "it is deaf; clean it"),
     }
     assert {each.hardware_id for each in told.status} == {"r1"}
