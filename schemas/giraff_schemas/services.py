@@ -55,9 +55,6 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
         return self.name if self.entry else ""
 
 
-_SENSED: Final = (t.RANGE, t.BUMPER)
-"""Topics of the sensors that the guard listens to."""
-
 JOYSTICK: Final = Service(
     name="joystick",
     host="operator",

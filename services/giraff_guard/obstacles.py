@@ -14,7 +14,7 @@ from giraff_guard.judge.direction import Direction
 from giraff_guard.judge.memory import Echoes
 from giraff_guard.judge.points import touches
 from giraff_guard.judge.silence import silence
-from giraff_guard.limits import OTHER, SIGN, DriveDirection, Limits
+from giraff_guard.limits import SIGN, DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
 from giraff_guard.registry import sources_of
 from giraff_guard.source import Source
@@ -128,10 +128,9 @@ class Obstacles:
         self._echoes.forget(now.robot_ns, self._motion.travel)
         for direction in self._directions.values():
             direction.update(self._motion, now)
-        forward, backward = (
-            direction.judge(self._directions[OTHER[way]], self._echoes, self._motion, now)
-            for way, direction in self._directions.items()
-        )
+        ahead, behind = self._directions["forward"], self._directions["backward"]
+        forward = ahead.judge(behind, self._echoes, self._motion, now)
+        backward = behind.judge(ahead, self._echoes, self._motion, now)
         turn = self._turn()
         self._verdicts = Verdicts(
             forward=self._with_remedy("forward", forward, other=backward),
