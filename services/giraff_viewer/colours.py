@@ -3,7 +3,7 @@
 from typing import Final
 
 from giraff_schemas.localization import LocalizationState
-from giraff_viewer.cones import ConeState
+from giraff_viewer.evidence import EvidenceState
 
 Colour = tuple[int, int, int]
 
@@ -34,7 +34,7 @@ ECHOES: Final[Colour] = (205, 135, 60)
 PARTICLES: Final[Colour] = (90, 130, 190)
 CANDIDATES: Final[Colour] = (255, 140, 60)
 
-CONES: Final[dict[ConeState, Colour]] = {
+EVIDENCE: Final[dict[EvidenceState, Colour]] = {
     "free": GREEN,
     "near": AMBER,
     "blocked": RED,

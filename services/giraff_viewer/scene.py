@@ -1,7 +1,7 @@
 """Samples in, rerun's archetypes out. Nothing is sent from here: the rows say what is drawn where.
 
-Frames are REP-105's, `map` → `odom` → `base_link` → `range_<sensor>_link`. A drawing's y points down, theirs up:
-`floor` is `map` turned about x. Until localization tells where `odom` is in `map`, they are the same.
+Frames are REP-105's, `map` → `odom` → `base_link`. A drawing's y points down, theirs up: `floor` is `map` turned about
+x. Until localization tells where `odom` is in `map`, they are the same.
 """
 
 import math
@@ -14,19 +14,19 @@ from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import Ultrasonic, typed
+from giraff_core.senses import Evidence, Ultrasonic, typed
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.localization import MapPose, MapWalls, Particles
 from giraff_schemas.messages import GuardState, Odometry, Range, RobotTime, Sample, Tick, Tilt, TruePose
 from giraff_schemas.requests import EchoMap
 from giraff_schemas.topics import Topic
-from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, LINES, PATH, ROBOT, TILT, TRUTH, WHITE
-from giraff_viewer.cones import Cone, ConeState
+from giraff_viewer.colours import ELLIPSE, EVIDENCE, GREY, LEVELS, LINES, PATH, ROBOT, TILT, TRUTH, WHITE, Colour
 from giraff_viewer.event_text import EventText, Line
+from giraff_viewer.evidence import EvidenceState, SensorEvidence
 from giraff_viewer.pictures import Pictures
 from giraff_viewer.plots import Series, Values, balance_series, series
 from giraff_viewer.rows import FLOOR, Row, planar, turned
-from giraff_viewer.shapes import Point, Trail, arc, cone, ellipse, grid, headings, outline, placed
+from giraff_viewer.shapes import Point, Trail, arc, ellipse, grid, headings, outline, placed
 from giraff_viewer.surroundings import Surroundings
 from giraff_viewer.vision import Vision
 from giraff_viewer.whereabouts import Whereabouts
@@ -68,6 +68,10 @@ GRID: Final = f"{FLOOR}/grid"
 NUMBERS: Final = f"{GRID}/numbers"
 GUARD: Final = "guard"
 HAND: Final = "hand"
+_EVIDENCE: Final = f"{FLOOR}/evidence"
+_THICK: Final = 0.02  # m
+_ABOVE: Final = 21.0
+"""Order of drawing, over other lines."""
 
 _PLOT_EVERY: Final = 40_000_000  # ns between two points of a line; a screen shows no more
 _TRAIL_EVERY: Final = 500_000_000  # ns
@@ -88,9 +92,10 @@ class Scene:
     def __init__(self, robot: RobotConfig, note: str = "") -> None:
         """`note`: stands beside the robot; it says by what the robot is drawn where not by its own word."""
         self._robot, self._note = robot, note
-        self._sensors = robot.of(Ultrasonic)
-        self._cones = {sensor: Cone(sensor) for sensor in self._sensors}
-        self._drawn: dict[str, tuple[ConeState, float | None]] = {}
+        self._evidence = {
+            name: SensorEvidence(name, robot.sensors[name], robot.footprint_radius) for name in robot.sensor_types
+        }
+        self._drawn: dict[str, tuple[EvidenceState, Evidence]] = {}
         self._outline = outline(robot.footprint_radius, robot.track_width)
         self._whereabouts = Whereabouts(self._outline, _HEADING * robot.footprint_radius)
         self._surroundings = Surroundings(robot)
@@ -122,17 +127,12 @@ class Scene:
             (f"{FLOOR}/robot", rr.LineStrips2D(self._outline, colors=[ROBOT], radii=[0.015], labels=labels)),
             (f"{HAND}/level", rr.LineStrips2D([arc(1.0, math.tau, 48), arc(0.5, math.tau, 48)], colors=[GREY])),
         ]
-        for sensor, pose in self._sensors.items():
-            frame = f"range_{sensor}_link"
-            rows += [
-                planar("base_link", frame, pose.x, pose.y, pose.yaw),
-                (f"{FLOOR}/{frame}", rr.CoordinateFrame(frame)),
-            ]
-        return rows + _styles(series(tuple(self._sensors)))
+        rows += [(f"{_EVIDENCE}/{sensor}", rr.CoordinateFrame("base_link")) for sensor in self._evidence]
+        return rows + _styles(series(tuple(self._robot.of(Ultrasonic))))
 
     def clear(self) -> list[Row]:
-        """Return what takes the cones away: another scene has other sensors."""
-        return [(f"{FLOOR}/range_{sensor}_link", rr.Clear(recursive=False)) for sensor in self._cones]
+        """Return what takes the evidence away: another scene has other sensors."""
+        return [(_EVIDENCE, rr.Clear(recursive=True))]
 
     def begin_balance(self) -> list[Row]:
         """Return what never changes of a robot that balances."""
@@ -157,10 +157,8 @@ class Scene:
                 rows += self._move(sample, at_ns)
             case TruePose():
                 rows += self._draw_truth(sample, at_ns)
-            case Range(sensor=sensor) if sensor in self._cones:
+            case Range():
                 self._surroundings.on_sample(sample)
-                self._cones[sensor].read(sample, at_ns)
-                rows += self._draw_cones(at_ns)
             case MapPose() | Particles() | MapWalls():
                 rows += self._whereabouts.on_sample(sample)
                 rows += self._draw_map(sample.walls if isinstance(sample, MapWalls) else ())
@@ -173,11 +171,10 @@ class Scene:
                 rows.append((f"{HAND}/tilt", _tilt(sample)))
             case GuardState():
                 rows += self._judge(sample, at_ns)
-        lines = self._event_text.on_sample(sample)
-        if isinstance(sample, Range):
-            level = "INFO" if sample.state != "fault" else "WARN"
-            lines += self._event_text.add(topic.key.replace("*", sample.sensor), (level, str(sample.reason) or "well"))
-        return rows + self._say(lines)
+        each = self._evidence.get(getattr(sample, "sensor", ""))
+        if each is not None and each.on_sample(topic, sample, at_ns):
+            rows += self._draw_evidence(at_ns)
+        return rows + self._say(self._event_text.on_sample(sample))
 
     def begin_with(self, earlier: EchoMap) -> None:
         """Take where echoes came from before anybody looked."""
@@ -190,15 +187,15 @@ class Scene:
 
     def update(self, now_ns: int) -> list[Row]:
         """What the time that passes changes: a sensor that is silent, a way that is longer than its line."""
-        rows = self._draw_cones(now_ns) + self._draw_trail(now_ns)
+        rows = self._draw_evidence(now_ns) + self._draw_trail(now_ns)
         if self._due("echoes", _ECHOES_EVERY, now_ns):
             rows += self._surroundings.draw_echoes()
         return rows + self._pictures.update(now_ns) + self._vision.update(now_ns)
 
     def _judge(self, guard: GuardState, at_ns: int) -> list[Row]:
-        for each in self._cones.values():
+        for each in self._evidence.values():
             each.judge(guard)
-        return self._draw_cones(at_ns)
+        return self._draw_evidence(at_ns)
 
     def _move(self, odometry: Odometry, at_ns: int) -> list[Row]:
         rows: list[Row] = []
@@ -261,20 +258,21 @@ class Scene:
             rows.append((f"{FLOOR}/path", rr.LineStrips2D([self._trail.points], colors=[PATH], radii=[0.02])))
         return rows
 
-    def _draw_cones(self, now_ns: int) -> list[Row]:
+    def _draw_evidence(self, now_ns: int) -> list[Row]:
         rows: list[Row] = []
-        for sensor, each in self._cones.items():
-            state = each.state(now_ns)
-            if self._drawn.get(sensor) == (state, each.distance):
+        for name, each in self._evidence.items():
+            state, shown = each.state(now_ns), each.shown(now_ns)
+            level = "WARN" if state in ("fault", "blocked") else "INFO"
+            why = each.reason(now_ns)
+            rows += self._log(self._event_text.add(name, (level, f"{state}{f', {why}' if why else ''}")))
+            before = self._drawn.get(name)
+            if before == (state, shown):
                 continue
-            if self._drawn.get(sensor, ("", None))[0] != state:
-                why = each.reason(now_ns)
-                level = "WARN" if state in ("fault", "blocked") else "INFO"
-                rows += self._log([(level, f"cone {sensor}: {state}{f', {why}' if why else ''}")])
-            self._drawn[sensor] = state, each.distance
-            strips = cone(self._sensors[sensor], None if state == "fault" else each.distance)
-            lines = rr.LineStrips2D(strips, colors=[CONES[state]], radii=[0.008])
-            rows.append((f"{FLOOR}/range_{sensor}_link", lines))
+            self._drawn[name] = state, shown
+            path, colour, points = f"{_EVIDENCE}/{name}", EVIDENCE[state], _points(shown)
+            rows.append((path, _lines(shown, colour)))
+            if points or (before is not None and _points(before[1])):
+                rows.append((path, rr.Points2D(points, colors=[colour], radii=[_THICK], draw_order=_ABOVE)))
         return rows
 
     def _say(self, lines: list[Line]) -> list[Row]:
@@ -294,6 +292,17 @@ class Scene:
             return False
         self._last[what] = at_ns
         return True
+
+
+def _lines(evidence: Evidence, colour: Colour) -> Any:
+    """Outlines of the free floor, and thicker lines along what is seen, over the robot's rim."""
+    seen = [strip for strip in evidence.seen if len(strip) > 1]
+    radii = [0.008] * len(evidence.free) + [_THICK] * len(seen)
+    return rr.LineStrips2D([*evidence.free, *seen], colors=[colour], radii=radii, draw_order=_ABOVE)
+
+
+def _points(evidence: Evidence) -> list[Point]:
+    return [strip[0] for strip in evidence.seen if len(strip) == 1]
 
 
 def _styles(lines: list[Series]) -> list[Row]:

@@ -4,7 +4,6 @@ import math
 from typing import Final
 
 from giraff_core.kinematics.pose import ELLIPSE_95
-from giraff_core.senses import Ultrasonic
 
 Point = tuple[float, float]
 Strip = list[Point]
@@ -15,8 +14,6 @@ NORMAL_95: Final = 1.96
 _FARTHEST: Final = 1000.0  # m: whoever is less sure than that of where a robot is draws a circle as large as any floor
 _NUMBERED: Final = 8
 """m across, over which each line may have its number."""
-_RAYS: Final = 8
-_RINGS: Final = 4
 _STEP: Final = 0.02  # m between two points of a trail at first
 _MOST: Final = 1000  # points of a trail; then every other one is dropped, and the step is doubled
 
@@ -53,14 +50,6 @@ def outline(radius: float, track_width: float) -> list[Strip]:
     wheels: list[Strip] = [[(-wheel, side * half), (wheel, side * half)] for side in (1.0, -1.0)]
     nose: Strip = [(radius * 0.5, radius * 0.3), (radius * 0.95, 0.0), (radius * 0.5, -radius * 0.3)]
     return [arc(radius, math.tau, 48), nose, *wheels]
-
-
-def cone(sensor: Ultrasonic, distance: float | None) -> list[Strip]:
-    """What a sensor looks at, up to what it heard, in the sensor's frame."""
-    length = sensor.reach if distance is None else min(distance, sensor.reach)
-    bearings = [sensor.half_cone * (2.0 * ray / _RAYS - 1.0) for ray in range(_RAYS + 1)]
-    rays: list[Strip] = [[(0.0, 0.0), _at(length, bearing)] for bearing in bearings]
-    return [*rays, *(arc(length * ring / _RINGS, 2.0 * sensor.half_cone, _RAYS) for ring in range(1, _RINGS + 1))]
 
 
 def ellipse(xx: float, xy: float, yy: float) -> Strip:

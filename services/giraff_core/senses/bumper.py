@@ -3,7 +3,7 @@
 import math
 from typing import ClassVar, Literal
 
-from giraff_core.senses.sense import Evidence, Sense, Summary, arc
+from giraff_core.senses.sense import Evidence, Sense, Strip, Summary, arc
 from giraff_schemas.bumper import Bump
 from giraff_schemas.topics import BUMPER, Topic
 from giraff_schemas.wires.bumper import BUMPERS
@@ -28,7 +28,11 @@ class Bumper(Sense, frozen=True, kw_only=True, tag="bumper"):
         """Return whether something pushes it."""
         return Summary("pushed", 0.0) if sample.pressed else Summary("free")
 
+    def field(self, footprint_radius: float) -> list[Strip]:
+        """Return its part of the robot's rim."""
+        return [arc(0.0, 0.0, footprint_radius, 0.0 if self.way == "forward" else math.pi, math.pi / 3.0)]
+
     def evidence(self, sample: Bump, footprint_radius: float) -> Evidence:
         """Return its part of the robot's rim."""
-        rim = [arc(0.0, 0.0, footprint_radius, 0.0 if self.way == "forward" else math.pi, math.pi / 3.0)]
+        rim = self.field(footprint_radius)
         return Evidence(seen=rim) if sample.pressed else Evidence(free=rim)

@@ -79,6 +79,11 @@ class Sense(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         del sample
         return Summary("")
 
+    def field(self, footprint_radius: float) -> Sequence[Strip]:
+        """Return outlines of the floor that it senses. They show where it tells nothing while it is faulty."""
+        del footprint_radius
+        return ()
+
     def evidence(self, sample: Any, footprint_radius: float) -> Evidence:
         """Return what a sample of its topic shows. `footprint_radius`: m, of the robot."""
         del sample, footprint_radius

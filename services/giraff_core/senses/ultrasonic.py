@@ -5,12 +5,14 @@ from typing import Annotated, ClassVar, Final
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.parts import ANGLE, PLACE, fixed_transform
-from giraff_core.senses.sense import Evidence, Sense, Summary, arc
+from giraff_core.senses.sense import Evidence, Sense, Strip, Summary, arc
 from giraff_schemas.frames import Transform, range_frame
 from giraff_schemas.messages import Range
 from giraff_schemas.topics import RANGE, Topic
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import RANGE_SENSORS
 
+_FAULT: Final = Trouble("fault")
 _STEEPEST: Final = math.pi / 4
 
 
@@ -58,16 +60,24 @@ class Ultrasonic(Sense, frozen=True, kw_only=True, tag="hc-sr04"):
     def summary(cls, sample: Range) -> Summary:
         """Return the distance that it heard."""
         text = sample.state if sample.range is None else f"{sample.range:.2f} m"
-        return Summary(text, sample.range, sample.reason)
+        trouble = (sample.reason or _FAULT) if sample.state == "fault" else NO_TROUBLE
+        return Summary(text, sample.range, trouble)
+
+    def field(self, footprint_radius: float) -> list[Strip]:
+        """Return its cone."""
+        del footprint_radius
+        return [self._cone(self.reach)]
 
     def evidence(self, sample: Range, footprint_radius: float) -> Evidence:
         """Return the cone up to what it heard."""
-        del footprint_radius
-        if sample.state == "fault":
-            return Evidence()
-        far = self.reach if sample.range is None else min(sample.range, self.reach)
-        here, edge = (self.x, self.y), arc(self.x, self.y, far, self.yaw, self.half_cone)
-        return Evidence(free=[[here, *edge, here]], seen=[] if sample.range is None else [edge])
+        if sample.range is None:
+            return Evidence() if sample.state == "fault" else Evidence(free=self.field(footprint_radius))
+        cone = self._cone(min(sample.range, self.reach))
+        return Evidence(free=[cone], seen=[cone[1:-1]])
+
+    def _cone(self, far: float) -> Strip:
+        here = self.x, self.y
+        return [here, *arc(*here, far, self.yaw, self.half_cone), here]
 
 
 HC_SR04: Final = Ultrasonic(index=0, x=0.0, y=0.0, yaw=0.0)

@@ -20,7 +20,7 @@ from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Odometry, Sample, TruePose
 from giraff_schemas.topics import ODOM, TRUE_POSE, Topic, key_of, topic_of
 from giraff_tools.network.ports import free_port
-from giraff_viewer.colours import CONES, ELLIPSE, PATH, ROBOT, TRUTH
+from giraff_viewer.colours import ELLIPSE, EVIDENCE, PATH, ROBOT, TRUTH
 from giraff_viewer.scene import stock
 from tests.functional.desk.seen import Floor, has_popup
 from tests.functional.desk.views import await_viewer, view, viewing
@@ -34,7 +34,7 @@ pytestmark = pytest.mark.timeout(240)
 
 NOWHERE = "127.0.0.1:1"
 """Nobody is on the network of who looks at a recording."""
-TO_THE_WALL_NS = 11_000_000_000
+TO_THE_WALL_NS = 10_000_000_000
 """Of the recorded drive: the robot backs, drives ahead until a wall stops it, and has not heard its rear for long."""
 
 
@@ -50,7 +50,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     newest = [sample for sample in drive if sample.key == "odom"][-1]
     odometry = newest.decode()
     assert isinstance(odometry, Odometry)
-    true = Pose(-0.3, 0.4, 0.3).placed_in(Pose(odometry.x, odometry.y, odometry.yaw))
+    true = Pose(-0.9, 0.4, 0.3).placed_in(Pose(odometry.x, odometry.y, odometry.yaw))
     unsure = msgspec.structs.replace(odometry, covariance=(0.09, 0.03, 0.0, 0.04, 0.0, 0.04))
     told = stamped(TruePose(x=true.x, y=true.y, yaw=true.yaw, tick=odometry.tick), 0, newest.stamp_ns, "run")
     said = [RawSample(each.heard_ns, each.topic, each.payload, each.encoding) for each in drive]
@@ -61,7 +61,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_a_recording_is_seen_with_robot_path_and_cones(recording: Path, tmp_path: Path) -> None:
+def test_a_recording_is_seen_with_robot_path_and_evidence(recording: Path, tmp_path: Path) -> None:
     picture = tmp_path / "view.png"
     done = view(Desk(tmp_path, NOWHERE), str(recording), "--picture", str(picture), "--json")
     assert (done.returncode, done.stderr) == (0, "")
@@ -87,13 +87,13 @@ def test_a_recording_is_seen_with_robot_path_and_cones(recording: Path, tmp_path
         to_it = (floor.middle(colour) - middle) / size
         return float(to_it @ ahead), float(to_it @ left)
 
-    blocked = seen_from_robot(CONES["blocked"])
-    near = seen_from_robot(CONES["near"])
-    rear = seen_from_robot(CONES["doubted"])
+    blocked = seen_from_robot(EVIDENCE["blocked"])
+    near = seen_from_robot(EVIDENCE["near"])
+    rear = seen_from_robot(EVIDENCE["doubted"])
     truth = seen_from_robot(TRUTH)
     path = floor.points(PATH)
     diameter = 2.0 * stock("sim-test").footprint_radius
-    assert truth == pytest.approx((-0.3 / diameter, 0.4 / diameter), abs=0.15), "behind it, on its left"
+    assert truth == pytest.approx((-0.9 / diameter, 0.4 / diameter), abs=0.2), "behind it, on its left, with a label"
     ellipse = floor.points(ELLIPSE)
     assert np.abs((ellipse.min(axis=0) + ellipse.max(axis=0)) / 2.0 - middle).max() < 0.15 * size
     assert float(np.ptp(ellipse, axis=0)[0]) / size == pytest.approx(2.0 * ELLIPSE_95 * 0.3 / diameter, rel=0.15)
@@ -102,7 +102,7 @@ def test_a_recording_is_seen_with_robot_path_and_cones(recording: Path, tmp_path
     assert abs(blocked[1] - near[1]) > 0.2, "one on the left, one on the right"
     assert rear[0] < -1.0
     assert abs(rear[1]) < 0.5, "the rear one looks straight back, as far as it can, and has heard nothing for long"
-    assert floor.count(CONES["fault"]) == 0
+    assert floor.count(EVIDENCE["fault"]) == 0
     assert float(np.ptp(path, axis=0).max()) > 2.0 * size
     assert np.abs((path - middle) @ ahead).min() < 0.2 * size, "the path leads to the robot"
     assert ((path - middle) @ ahead < 0.3 * size).all(), "the robot came from behind"
@@ -135,7 +135,7 @@ def test_a_live_robot_is_saved(robot: ProcessRobot) -> None:
         "/floor/ellipse",
         "/floor/echoes",
         "/frames/base_link",
-        "/floor/range_rear_link",
+        "/floor/evidence/rear",
         "/guard",
         "/log",
         "/hand/tilt",

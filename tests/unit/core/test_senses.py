@@ -87,7 +87,9 @@ def test_what_a_sample_shows_is_drawn_in_the_robots_frame() -> None:
     assert sonar.summary(heard)[:2] == ("0.50 m", 0.5)
     clear = msgspec.structs.replace(heard, state="clear", range=None)
     assert max(x for x, _ in sonar.evidence(clear, 0.3).free[0]) == pytest.approx(2.25)
-    assert (sonar.summary(clear)[:2], sonar.evidence(clear, 0.3).seen) == (("clear", None), [])
+    assert (sonar.summary(clear)[:2], sonar.evidence(clear, 0.3)) == (("clear", None), (sonar.field(0.3), ()))
+    fault = msgspec.structs.replace(clear, state="fault")
+    assert (sonar.summary(fault).trouble.what, sonar.evidence(fault, 0.3)) == ("fault", ((), ()))
     bumper, pushed = Bumper(index=0, way="backward"), Bump(sensor="b", pressed=True, tick=None)
     assert bumper.summary(pushed).text == "pushed"
     assert bumper.evidence(pushed, 0.3).seen[0][4] == pytest.approx((-0.3, 0.0))

@@ -13,13 +13,9 @@ from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_core.operator import Operator, Wish
-from giraff_core.senses import Ultrasonic
 from giraff_schemas import topics
 from giraff_schemas.camera import Picture
-from giraff_schemas.messages import GuardState, Range, SensorState, Tick, TruePose
-from giraff_schemas.trouble import Trouble
-from giraff_viewer.colours import CONES
-from giraff_viewer.cones import Cone
+from giraff_schemas.messages import Tick, TruePose
 from giraff_viewer.event_text import EventText, drawable
 from giraff_viewer.machine import require_memory
 from giraff_viewer.plots import Values
@@ -44,12 +40,8 @@ def colour_of(archetype: Any) -> int:
 
 def test_frames_are_those_of_rep_105() -> None:
     rows = dict(row for row in Scene(stock("sim")).begin() if isinstance(row[1], rr.Transform3D))
-    links = [f"frames/range_{sensor}_link" for sensor in ("front_left", "front_right", "rear")]
-    assert list(rows) == ["frames/map", *links]
-    rear = rows["frames/range_rear_link"]
-    assert rear.parent_frame.as_arrow_array().to_pylist() == ["base_link"]
-    assert rear.child_frame.as_arrow_array().to_pylist() == ["range_rear_link"]
-    assert rear.translation.as_arrow_array().to_pylist() == [[-0.25, 0.0, 0.0]]
+    assert list(rows) == ["frames/map"]
+    assert rows["frames/map"].parent_frame.as_arrow_array().to_pylist() == ["floor"]
 
 
 def test_odometry_moves_base_link_and_draws_the_way() -> None:
@@ -148,65 +140,7 @@ def test_a_covariance_that_is_none_can_be_drawn(covariance: tuple[float, float, 
     assert np.isfinite(headings(covariance[0], 0.3)).all()
 
 
-@pytest.mark.parametrize(
-    ("sample", "blocks", "later", "state"),
-    [
-        (reading("front_left", None, "clear"), False, 0.1, "free"),
-        (reading("front_left", 1.5), False, 0.1, "free"),
-        (reading("front_left", 0.6), False, 0.1, "near"),
-        (reading("front_left", 0.6), True, 0.1, "blocked"),
-        (reading("front_left", None, "clear"), False, 0.6, "fault"),
-        (reading("front_left", None, "fault", "no echo line"), True, 0.1, "fault"),
-    ],
-)
-def test_a_cone_has_the_colour_of_its_state(sample: Range, blocks: bool, later: float, state: Any) -> None:
-    scene = Scene(stock("sim"))
-    rows = scene.on_sample(topics.RANGE, sample, SECOND)
-    rows += scene.on_sample(topics.GUARD, guard(BLOCKED if blocks else verdict()), SECOND)
-    rows += scene.update(SECOND + int(later * SECOND))
-    red, green, blue = CONES[state]
-    newest = [what for path, what in rows if path == "floor/range_front_left_link"][-1]
-    assert colour_of(newest) >> 8 == red << 16 | green << 8 | blue
-
-
-def judged(trouble: str) -> GuardState:
-    """The guard's word on a rear sensor."""
-    sensors = {"rear": SensorState(type=Ultrasonic.type_name(), trouble=Trouble(trouble))}
-    return msgspec.structs.replace(guard(verdict()), sensors=sensors)
-
-
-def test_a_sensor_that_the_guard_does_not_trust_is_a_fault() -> None:
-    cone_ = Cone("rear")
-    cone_.read(reading("rear", 2.0), SECOND)
-    assert cone_.state(SECOND) == "free"
-    cone_.judge(judged("frozen"))
-    assert (cone_.state(SECOND), cone_.reason(SECOND)) == ("fault", "frozen")
-    assert Cone("rear").reason(SECOND) == "not heard yet"
-
-
-def test_silence_that_the_guard_does_not_believe_is_a_doubt() -> None:
-    cone_ = Cone("rear")
-    cone_.read(reading("rear", None, "clear"), SECOND)
-    cone_.judge(judged("has not proved lately that it hears"))
-    assert (cone_.state(SECOND), cone_.reason(SECOND)) == ("doubted", "has not proved lately that it hears")
-    assert cone_.state(2 * SECOND) == "fault"
-
-
-def test_a_cone_is_as_wide_as_its_sensor_hears_and_reaches_to_the_echo() -> None:
-    sensors = stock("sim").sensors
-    rear = msgspec.structs.replace(sensors["rear"], half_cone=0.4, reach=2.0)
-    robot = msgspec.structs.replace(stock("sim"), sensors=sensors | {"rear": rear})
-    for sensor, distance, half, length in (
-        ("rear", 0.5, 0.4, 0.5),
-        ("rear", None, 0.4, 2.0),
-        ("rear", 9.0, 0.4, 2.0),
-        ("front_left", None, math.radians(7.5), 4.0),
-    ):
-        heard = reading(sensor, distance, "clear" if distance is None else "echo")
-        rows = Scene(robot).on_sample(topics.RANGE, heard, SECOND)
-        points = [point for strip in strips_of(dict(rows)[f"floor/range_{sensor}_link"]) for point in strip]
-        assert max(math.hypot(*point) for point in points) == pytest.approx(length)
-        assert max(abs(math.atan2(y, x)) for x, y in points) == pytest.approx(half)
+def test_the_outline_is_as_wide_as_the_footprint() -> None:
     assert max(math.hypot(*point) for strip in outline(0.3, 0.47) for point in strip) == pytest.approx(0.3)
 
 
