@@ -76,8 +76,8 @@ WEB: Final = Service(
     entry="main",
     publishes=(t.OPERATOR_CMD_VEL,),
     subscribes=(
-        *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.ATTITUDE, t.RANGE),
-        *(t.POSE, t.CAMERA_STATE),
+        *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.ATTITUDE),
+        *(*_SENSED, t.POSE, t.CAMERA_STATE),
     ),
     optional=True,
     option="web",

@@ -1,8 +1,9 @@
 """Content of each sensor's samples, and whether the robot may go there. No clock: the time comes in."""
 
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, NamedTuple
 
-from giraff_core.senses import Evidence, Sense, Summary
+from giraff_core.robot import RobotConfig
+from giraff_core.senses import Evidence, Summary
 from giraff_schemas.messages import GuardState
 from giraff_schemas.topics import Topic
 
@@ -12,13 +13,22 @@ NEAR: Final = 1.0  # m; something nearer than this is worth a look
 _COUNTS_FOR: Final = 0.5  # s; guard no longer counts on a reading that is older than 0.4 s
 
 
+class Shown(NamedTuple):
+    """Content of the screen about one sensor."""
+
+    state: EvidenceState
+    why: str
+    """Reason why it cannot be relied on, else what is near it. Empty: nothing is."""
+    evidence: Evidence
+    """Drawing of it. Of a fault: all the floor that it senses."""
+
+
 class SensorEvidence:
     """One sensor of any type that the guard listens to. Times are ns of one clock."""
 
-    def __init__(self, name: str, sense: Sense, footprint_radius: float) -> None:
-        self.name = name
-        self._sense, self._radius = sense, footprint_radius
-        self._field = Evidence(free=sense.field(footprint_radius))
+    def __init__(self, name: str, robot: RobotConfig) -> None:
+        self._name, self._sense, self._radius = name, robot.sensors[name], robot.footprint_radius
+        self._field = Evidence(free=self._sense.field(self._radius))
         self._told: tuple[Summary, Evidence] | None = None
         self._told_ns = 0
         self._distrust = ""
@@ -34,34 +44,21 @@ class SensorEvidence:
 
     def judge(self, guard: GuardState) -> None:
         """What the guard makes of it."""
-        self._distrust = str(state.trouble) if (state := guard.sensors.get(self.name)) is not None else ""
+        self._distrust = str(state.trouble) if (state := guard.sensors.get(self._name)) is not None else ""
         verdicts = (guard.forward, guard.backward, guard.turn_left, guard.turn_right)
-        self._blocks = any(each.clearance == "blocked" and each.sensor == self.name for each in verdicts)
+        self._blocks = any(each.clearance == "blocked" and each.sensor == self._name for each in verdicts)
 
-    def state(self, now_ns: int) -> EvidenceState:
-        """The worst that is known of it."""
-        if self._told is None or self._silence(now_ns) > _COUNTS_FOR or self._told[0].trouble:
-            return "fault"
-        nearest = self._told[0].nearest
-        if self._distrust:
-            return "doubted" if nearest is None else "fault"
-        if self._blocks:
-            return "blocked"
-        return "free" if nearest is None or nearest > NEAR else "near"
-
-    def shown(self, now_ns: int) -> Evidence:
-        """Return what is drawn of it: of a fault, all the floor that it senses."""
-        return self._field if self._told is None or self.state(now_ns) == "fault" else self._told[1]
-
-    def reason(self, now_ns: int) -> str:
-        """Return why it cannot be relied on, else what is near it. Empty: nothing is."""
+    def shown(self, now_ns: int) -> Shown:
+        """Return the worst that is known of it."""
         if self._told is None:
-            return "not heard yet"
-        if (silence := self._silence(now_ns)) > _COUNTS_FOR:
-            return f"silent for {silence:.1f} s"
-        summary = self._told[0]
-        is_far = summary.nearest is None or summary.nearest > NEAR
-        return str(summary.trouble) or self._distrust or ("" if is_far else summary.text)
-
-    def _silence(self, now_ns: int) -> float:
-        return (now_ns - self._told_ns) * 1e-9
+            return Shown("fault", "not heard yet", self._field)
+        summary, evidence = self._told
+        silence = (now_ns - self._told_ns) * 1e-9
+        fault = f"silent for {silence:.1f} s" if silence > _COUNTS_FOR else str(summary.trouble)
+        if fault or (self._distrust and summary.nearest is not None):
+            return Shown("fault", fault or self._distrust, self._field)
+        if self._distrust:
+            return Shown("doubted", self._distrust, evidence)
+        is_near = summary.nearest is not None and summary.nearest <= NEAR
+        state: EvidenceState = "blocked" if self._blocks else "near" if is_near else "free"
+        return Shown(state, summary.text if is_near else "", evidence)

@@ -70,8 +70,7 @@ GUARD: Final = "guard"
 HAND: Final = "hand"
 _EVIDENCE: Final = f"{FLOOR}/evidence"
 _THICK: Final = 0.02  # m
-_ABOVE: Final = 21.0
-"""Order of drawing, over other lines."""
+_ABOVE: Final = 21.0  # order of drawing, over other lines
 
 _PLOT_EVERY: Final = 40_000_000  # ns between two points of a line; a screen shows no more
 _TRAIL_EVERY: Final = 500_000_000  # ns
@@ -92,9 +91,7 @@ class Scene:
     def __init__(self, robot: RobotConfig, note: str = "") -> None:
         """`note`: stands beside the robot; it says by what the robot is drawn where not by its own word."""
         self._robot, self._note = robot, note
-        self._evidence = {
-            name: SensorEvidence(name, robot.sensors[name], robot.footprint_radius) for name in robot.sensor_types
-        }
+        self._evidence = {name: SensorEvidence(name, robot) for name in robot.sensor_types}
         self._drawn: dict[str, tuple[EvidenceState, Evidence]] = {}
         self._outline = outline(robot.footprint_radius, robot.track_width)
         self._whereabouts = Whereabouts(self._outline, _HEADING * robot.footprint_radius)
@@ -261,16 +258,15 @@ class Scene:
     def _draw_evidence(self, now_ns: int) -> list[Row]:
         rows: list[Row] = []
         for name, each in self._evidence.items():
-            state, shown = each.state(now_ns), each.shown(now_ns)
+            state, why, evidence = each.shown(now_ns)
             level = "WARN" if state in ("fault", "blocked") else "INFO"
-            why = each.reason(now_ns)
-            rows += self._log(self._event_text.add(name, (level, f"{state}{f', {why}' if why else ''}")))
+            rows += self._log(self._event_text.add(name, (level, ", ".join(filter(None, (state, why))))))
             before = self._drawn.get(name)
-            if before == (state, shown):
+            if before == (state, evidence):
                 continue
-            self._drawn[name] = state, shown
-            path, colour, points = f"{_EVIDENCE}/{name}", EVIDENCE[state], _points(shown)
-            rows.append((path, _lines(shown, colour)))
+            self._drawn[name] = state, evidence
+            path, colour, points = f"{_EVIDENCE}/{name}", EVIDENCE[state], _points(evidence)
+            rows.append((path, _lines(evidence, colour)))
             if points or (before is not None and _points(before[1])):
                 rows.append((path, rr.Points2D(points, colors=[colour], radii=[_THICK], draw_order=_ABOVE)))
         return rows

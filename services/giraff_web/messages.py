@@ -123,23 +123,14 @@ class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):
     """What a page is told."""
 
 
-class Part(msgspec.Struct, frozen=True, kw_only=True):
-    """An ultrasonic sensor of the robot: where it looks from, in base_link, and how far off its axis and ahead."""
-
-    x: float
-    y: float
-    yaw: float
-    half_cone: float
-    """rad."""
-    reach: float
-    """m."""
+Lines = tuple[tuple[tuple[float, float], ...], ...]
+"""Polylines, m."""
 
 
 class Room(msgspec.Struct, frozen=True, kw_only=True):
     """The room of a simulated robot, in `odom` as it was when the robot began."""
 
-    walls: tuple[tuple[tuple[float, float], ...], ...]
-    """Polylines, m."""
+    walls: Lines
     map: str = ""
     """Name of the floor plan that is this room; empty: there is none."""
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -160,7 +151,6 @@ class Hello(_ToPage, frozen=True, kw_only=True, tag="hello"):
     """m, of the robot's footprint."""
     track: float
     """m between its wheels."""
-    sensors: dict[str, Part]
     slow_speed: float
     trail: tuple[tuple[float, float], ...]
     """The path so far, m in odom, oldest first; the page goes on with the poses of the states."""
@@ -191,14 +181,18 @@ class Latch(msgspec.Struct, frozen=True, kw_only=True):
     engaged_ns: str
 
 
-class Echo(msgspec.Struct, frozen=True, kw_only=True):
-    """A sensor's newest reading."""
+class SensorView(msgspec.Struct, frozen=True, kw_only=True):
+    """A sensor's newest sample, whatever its type, in words and on the floor. Places are in `base_link`."""
 
     state: str
-    """echo, clear, fault, or silent: nothing was heard of it of late."""
-    range: float | None
-    """m, of an echo."""
+    """free, seen, near (close to the robot's rim), or fault: it tells nothing, or was not heard of late."""
+    text: str
     reason: Trouble
+    """Cause of a fault."""
+    free: Lines
+    """Outlines of the floor where nothing stands; of a fault, of all the floor that it senses."""
+    seen: Lines = ()
+    """Lines along what stands there. A line of one place is a point."""
 
 
 class Balance(msgspec.Struct, frozen=True, kw_only=True):
@@ -269,7 +263,8 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """Outcome of a stop or a release that was asked for here. `NO_TROUBLE`: nothing is open."""
     directions: dict[str, Direction] | None
     """By forward, backward, turn_left, turn_right."""
-    ranges: dict[str, Echo]
+    evidence: dict[str, SensorView]
+    """By sensor of the robot file."""
     pose: tuple[float, float, float] | None
     """x, y (m) and yaw (rad) in odom."""
     covariance: tuple[float, float, float] | None

@@ -2,23 +2,25 @@
 
 import math
 from collections import deque
-from typing import Final
+from collections.abc import Sequence
+from typing import Any, Final
 
 from giraff_core.estop.request import BY_WORD
 from giraff_core.latest import LatestSamples, is_fresh
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import Ultrasonic
+from giraff_core.senses import PUBLISHERS, SENSE_OF, SENSED, Sense
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import Attitude, DirectionLimit, EStop, GuardState, Odometry, Range, Sample
-from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, POSE, RANGE, SampleT, Topic
+from giraff_schemas.messages import Attitude, DirectionLimit, EStop, GuardState, Odometry, Sample
+from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, POSE, SampleT, Topic
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
-from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, MapView, Part, State, moment
+from giraff_web.messages import Balance, CameraView, Direction, Latch, Lines, MapView, SensorView, State, moment
 from giraff_web.policy import WebPolicy
 
 _POINTS: Final = 2000
 _APART: Final = 0.03  # m between two points of the path
-_NEVER_HEARD: Final = Trouble("never heard", "check that giraff_ranger runs")
+_NEAR: Final = 0.2
+"""m. Something this much farther than the robot's radius is near."""
 
 
 class Picture:
@@ -27,7 +29,9 @@ class Picture:
     def __init__(self, robot: RobotConfig, *, is_open: bool) -> None:
         """`is_open`: of the network."""
         self._robot, self._is_open = robot, is_open
-        self._sensors = robot.of(Ultrasonic)
+        self._fields = {name: _lines(robot.sensors[name].field(robot.footprint_radius)) for name in robot.sensor_types}
+        self._sensed: dict[str, tuple[SensorView, float]] = {}
+        """By sensor: its newest sample, and when it was heard."""
         self._latest = LatestSamples()
         self._trail: deque[tuple[float, float]] = deque(maxlen=_POINTS)
         self._segment: tuple[str, int] | None = None
@@ -39,17 +43,10 @@ class Picture:
         """The path so far, m in odom, oldest first."""
         return tuple(self._trail)
 
-    @property
-    def sensors(self) -> dict[str, Part]:
-        """Return where each looks from, and how wide and far it hears, as the robot says."""
-        return {
-            name: Part(x=each.x, y=each.y, yaw=each.yaw, half_cone=each.half_cone, reach=each.reach)
-            for name, each in self._sensors.items()
-        }
-
     def on_sample(self, sample: Sample, now: float) -> None:
         """Take what the robot says."""
-        if isinstance(sample, Range) and sample.sensor not in self._sensors:
+        if (kind := SENSE_OF.get(type(sample))) is not None:
+            self._on_sensed(kind, sample, now)
             return
         self._latest.add(sample, now)
         if isinstance(sample, Odometry):
@@ -78,7 +75,7 @@ class Picture:
             stop=_latch(estop, is_open=self._is_open) if estop else None,
             stop_outcome=stop_outcome,
             directions=_directions(guard) if guard else None,
-            ranges={sensor: self._echo(sensor, now) for sensor in self._sensors},
+            evidence={sensor: self._evidence(sensor, now) for sensor in self._fields},
             pose=(round(odom.x, 4), round(odom.y, 4), round(odom.yaw, 4)) if odom else None,
             covariance=_place_covariance(odom) if odom else None,
             segment=f"{odom.instance}:{odom.jumps}" if odom else "",
@@ -114,20 +111,36 @@ class Picture:
             wheels=(round(wheels[0], 3), round(wheels[1], 3)) if wheels else None,
         )
 
-    def _echo(self, sensor: str, now: float) -> Echo:
-        latest = self._latest.latest(RANGE.at(sensor), round(now * 1e9))
-        if latest is None:
-            return Echo(state="silent", range=None, reason=_NEVER_HEARD)
-        if not is_fresh(RANGE, latest.age):
-            silent = Trouble(f"silent for {latest.age:.0f} s", "check giraff_ranger")
-            return Echo(state="silent", range=None, reason=silent)
-        reading = latest.sample
-        return Echo(state=reading.state, range=reading.range, reason=reading.reason)
+    def _on_sensed(self, kind: type[Sense], sample: Any, now: float) -> None:
+        """Draw a sample once, however often it is shown."""
+        sense = self._robot.sensors.get(sample.sensor)
+        if not isinstance(sense, kind):
+            return
+        text, nearest, trouble = sense.summary(sample)
+        free, seen = map(_lines, sense.evidence(sample, self._robot.footprint_radius))
+        state = "free" if nearest is None else "near" if nearest < self._robot.footprint_radius + _NEAR else "seen"
+        if trouble:
+            state, free = "fault", self._fields[sample.sensor]
+        self._sensed[sample.sensor] = SensorView(state=state, text=text, reason=trouble, free=free, seen=seen), now
+
+    def _evidence(self, sensor: str, now: float) -> SensorView:
+        sense = type(self._robot.sensors[sensor])
+        view, heard = self._sensed.get(sensor, (None, now))
+        if view is not None and is_fresh(SENSED[sense], now - heard):
+            return view
+        what = "never heard" if view is None else f"silent for {now - heard:.0f} s"
+        why = Trouble(what, f"check that giraff_{PUBLISHERS[sense.type_name()]} runs")
+        return SensorView(state="fault", text="not heard", reason=why, free=self._fields[sensor])
 
     def _newest(self, topic: Topic[SampleT], now: float) -> SampleT | None:
         """None: what was heard last says nothing of now."""
         latest = self._latest.latest(topic, round(now * 1e9))
         return latest.sample if latest is not None and is_fresh(topic, latest.age) else None
+
+
+def _lines(strips: Sequence[Sequence[tuple[float, float]]]) -> Lines:
+    """Return them to the mm: a state is short."""
+    return tuple(tuple((round(x, 3), round(y, 3)) for x, y in strip) for strip in strips)
 
 
 def _place_covariance(of: Odometry | MapPose) -> tuple[float, float, float]:

@@ -8,6 +8,7 @@ from giraff_core.io import IO, Inbox
 from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.picture.receiver import OpenSource
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import SENSED
 from giraff_core.timer import Timer
 from giraff_schemas.camera import CameraState
 from giraff_schemas.messages import EStop
@@ -23,7 +24,6 @@ from giraff_schemas.topics import (
     GUARD,
     ODOM,
     POSE,
-    RANGE,
     Topic,
 )
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -68,7 +68,7 @@ class Web(OperatorService):
         self._looking = PageCameras(pages, self._by, open_source)
         super().__init__(io, self._policy)
         self.link = pages
-        told = (BASE, GUARD, ESTOP, BATTERY, RANGE, CAMERA_STATE)
+        told: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), CAMERA_STATE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
         newest: list[Topic[Any]] = [ODOM, ATTITUDE, POSE]
         self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
@@ -183,7 +183,6 @@ class Web(OperatorService):
             robot=self._robot.name,
             radius=self._robot.footprint_radius,
             track=self._robot.kinematics.track_width,
-            sensors=self._picture.sensors,
             slow_speed=self._config.slow_speed,
             trail=self._picture.trail,
             room=self._room,

@@ -27,7 +27,7 @@ from giraff_web.server.server import Server, Site
 STATE = State(
     n=0, tick=None, age=0.0, operator="", device="", page=0, armed=None, why=NO_TROUBLE, stop=None,
     stop_outcome=NO_TROUBLE,
-    directions=None, ranges={}, pose=None, covariance=None, segment="", speed=None, path=None, battery=None,
+    directions=None, evidence={}, pose=None, covariance=None, segment="", speed=None, path=None, battery=None,
     round_trip=None,
 )  # fmt: skip
 HOST = "127.0.0.1"
@@ -80,7 +80,7 @@ class Desk:
 
 def hello(page: Opened) -> Hello:
     return Hello(
-        page=page.page, device=page.device, may_drive=page.may_drive, robot="one", radius=0.3, track=0.4, sensors={},
+        page=page.page, device=page.device, may_drive=page.may_drive, robot="one", radius=0.3, track=0.4,
         slow_speed=0.3, trail=(),
     )  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, Final, NamedTuple, Protocol
 
 import msgspec
 
@@ -26,6 +26,8 @@ class Sensed(Protocol):
     def seq(self) -> int: ...
 
 
+_PIECE: Final = 0.27
+"""rad between two places of an arc at most: few, since pages are told them 25 times a second."""
 Strip = Sequence[tuple[float, float]]
 """A line through places: x, y in m."""
 
@@ -50,8 +52,9 @@ class Evidence(NamedTuple):
     """Lines along what stands there. A line of one place is a point."""
 
 
-def arc(x: float, y: float, radius: float, middle: float, half: float, pieces: int = 8) -> list[tuple[float, float]]:
+def arc(x: float, y: float, radius: float, middle: float, half: float) -> list[tuple[float, float]]:
     """Return places on an arc about (x, y), from `half` rad to the right of `middle` to as much to the left."""
+    pieces = 2 * math.ceil(half / _PIECE)
     bearings = (middle + half * (2.0 * piece / pieces - 1.0) for piece in range(pieces + 1))
     return [(x + radius * math.cos(bearing), y + radius * math.sin(bearing)) for bearing in bearings]
 

@@ -6,8 +6,8 @@ import { clearance, isPlaced } from "./words.js";
 const VIEW = 1.9;
 /** rad to either side of the robot's nose that are drawn as its front. */
 const FRONT = 0.75;
-/** m that a cone is drawn for at most when nothing is near. */
-const CLEAR = 1.4;
+/** Colour of what a sensor tells, by its state. */
+const COLOURS = { free: "good", seen: "warn", near: "bad", fault: "bad" };
 /** px of the robot's radius at least, however flat the picture is. */
 const SMALLEST = 16;
 /** By how much another scale must differ before the plan takes it. */
@@ -100,8 +100,10 @@ export class Floor {
     pen.globalAlpha = linked ? 1 : 0.35;
     this._rings();
     if (state.pose) this._around(state.pose, hello.room, hello.room && roomPlace(state, hello.room), trail);
-    for (const [name, part] of Object.entries(hello.sensors)) this._cone(part, state.ranges[name], hello.radius);
+    const evidence = Object.values(state.evidence);
+    for (const view of evidence) this._area(view);
     this._robot(hello, state);
+    for (const view of evidence) this._edges(view); // some are at the robot's rim
     this._doubt(state);
   }
 
@@ -181,26 +183,35 @@ export class Floor {
     points.forEach(([x, y], index) => (index ? this._pen.lineTo(x, y) : this._pen.moveTo(x, y)));
   }
 
-  _cone(part, echo, radius) {
+  /** The floor where a sensor senses nothing. */
+  _area({ state, free }) {
+    if (state === "fault") return;
     const pen = this._pen;
-    const heard = echo && (echo.state === "echo" || echo.state === "clear");
-    const near = echo?.state === "echo" && echo.range !== null;
-    const reach = near ? echo.range : heard ? Math.min(CLEAR, part.reach) : 0.5;
-    const colour = !heard ? this._colours.bad : near && echo.range < radius + 0.2 ? this._colours.bad : this._colours.warn;
-    pen.beginPath();
-    pen.moveTo(part.x, part.y);
-    pen.arc(part.x, part.y, reach, part.yaw - part.half_cone, part.yaw + part.half_cone);
-    pen.closePath();
-    if (!heard) return this._stroke(colour, 2, [4, 4]);
-    const alpha = pen.globalAlpha;
-    pen.globalAlpha = alpha * (near ? 0.22 : 0.12);
-    pen.fillStyle = near ? colour : this._colours.good;
-    pen.fill();
-    pen.globalAlpha = alpha;
-    if (!near) return;
-    pen.beginPath();
-    pen.arc(part.x, part.y, reach, part.yaw - part.half_cone, part.yaw + part.half_cone);
-    this._stroke(colour, 4);
+    pen.save();
+    pen.globalAlpha *= state === "free" ? 0.12 : 0.22;
+    pen.fillStyle = this._colours[COLOURS[state]];
+    for (const strip of free) {
+      this._line(strip);
+      pen.fill();
+    }
+    pen.restore();
+  }
+
+  /** Its outline, dashed where the sensor tells nothing, and lines along what it senses. */
+  _edges({ state, free, seen }) {
+    const pen = this._pen;
+    const colour = this._colours[COLOURS[state]];
+    pen.save();
+    pen.lineCap = "round"; // a line of one place is a point
+    for (const strip of free) {
+      this._line(strip);
+      this._stroke(colour, ...(state === "fault" ? [2, [4, 4]] : [1]));
+    }
+    for (const strip of seen) {
+      this._line([strip[0], ...strip]);
+      this._stroke(colour, 4);
+    }
+    pen.restore();
   }
 
   /** Seen from above: its footprint with a filled front, its wheels, and what the guard says of each way. */

@@ -165,13 +165,9 @@ export function reasons(directions, mayDrive, said = null) {
   return [...ways].map(([text, labels]) => `${sentence(labels.join(", ").toLowerCase())}: ${text}.`);
 }
 
-/** What a sensor says, as a line: "Front left: 0.84 m". */
-export function echoText(name, echo, mayDrive) {
-  const label = sentence(name.replaceAll("_", " "));
-  if (echo.state === "echo" && known(echo.range)) return `${label}: ${echo.range.toFixed(2)} m`;
-  if (echo.state === "clear") return `${label}: nothing near`;
-  const words = echo.state === "fault" ? "fault" : "not heard";
-  return `${label}: ${line(echo.reason, mayDrive) || words}`;
+/** What a sensor says, as a line: "Front left: 0.84 m", "Front: pushed". */
+function sensorText(name, { text, reason }, mayDrive) {
+  return `${sentence(name.replaceAll("_", " "))}: ${line(reason, mayDrive) || text}`;
 }
 
 /** How long ago the battery was charged, where base has seen it. */
@@ -191,7 +187,7 @@ export function facts(state) {
 
 /** The floor plan for those who do not see it, a line each. */
 export function floorLines(state, mayDrive) {
-  const lines = Object.entries(state.ranges).map(([name, echo]) => echoText(name, echo, mayDrive));
+  const lines = Object.entries(state.evidence).map(([name, view]) => sensorText(name, view, mayDrive));
   if (state.pose) lines.push(`By its wheels: ${poseText(state.pose, sd(state.covariance))}`);
   if (state.map) lines.push(mapText(state.map, mayDrive));
   return lines;

@@ -83,7 +83,7 @@ def test_a_bumpers_name_is_one_that_a_key_can_have(tmp_path: Path) -> None:
 def test_what_a_sample_shows_is_drawn_in_the_robots_frame() -> None:
     sonar = Ultrasonic(index=0, x=0.25, y=0.1, yaw=0.0, half_cone=0.1, reach=2.0)
     heard = Range(sensor="a", state="echo", range=0.5, echo_us=2900, tick=None)
-    assert sonar.evidence(heard, 0.3).seen[0][4] == pytest.approx((0.75, 0.1))
+    assert sonar.evidence(heard, 0.3).seen[0][1] == pytest.approx((0.75, 0.1))
     assert sonar.summary(heard)[:2] == ("0.50 m", 0.5)
     clear = msgspec.structs.replace(heard, state="clear", range=None)
     assert max(x for x, _ in sonar.evidence(clear, 0.3).free[0]) == pytest.approx(2.25)

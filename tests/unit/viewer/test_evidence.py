@@ -64,24 +64,24 @@ def judged(trouble: str) -> GuardState:
 
 
 def rear_of(sample: Range | None = None) -> SensorEvidence:
-    made = SensorEvidence("rear", ROBOT.sensors["rear"], 0.3)
+    made = SensorEvidence("rear", ROBOT)
     assert sample is None or made.on_sample(topics.RANGE, sample, SECOND)
     return made
 
 
 def test_a_sensor_that_the_guard_does_not_trust_is_a_fault() -> None:
     rear = rear_of(reading("rear", 2.0))
-    assert rear.state(SECOND) == "free"
+    assert rear.shown(SECOND)[:2] == ("free", "")
     rear.judge(judged("frozen"))
-    assert (rear.state(SECOND), rear.reason(SECOND)) == ("fault", "frozen")
-    assert rear_of().reason(SECOND) == "not heard yet"
+    assert rear.shown(SECOND)[:2] == ("fault", "frozen")
+    assert rear_of().shown(SECOND).why == "not heard yet"
 
 
 def test_silence_that_the_guard_does_not_believe_is_a_doubt() -> None:
     rear = rear_of(reading("rear", None, "clear"))
     rear.judge(judged("has not proved lately that it hears"))
-    assert (rear.state(SECOND), rear.reason(SECOND)) == ("doubted", "has not proved lately that it hears")
-    assert rear.state(2 * SECOND) == "fault"
+    assert rear.shown(SECOND)[:2] == ("doubted", "has not proved lately that it hears")
+    assert rear.shown(2 * SECOND)[:2] == ("fault", "silent for 1.0 s")
     assert not rear.on_sample(topics.BUMPER, msgspec.structs.replace(PUSHED, sensor="rear"), 2 * SECOND)
 
 

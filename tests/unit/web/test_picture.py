@@ -4,7 +4,7 @@ import msgspec
 import pytest
 
 from giraff_core.estop.request import BY_WORD
-from giraff_core.senses import HC_SR04
+from giraff_schemas.bumper import Bump
 from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -12,7 +12,7 @@ from giraff_web.config import WebConfig
 from giraff_web.messages import State, ToPage
 from giraff_web.picture import Picture
 from giraff_web.policy import WebPolicy
-from tests.support.robots import ROBOT
+from tests.support.robots import BUMPED, ROBOT
 from tests.unit.cli.samples import attitude, base, guard, verdict
 
 TICK = RobotTime(epoch=7, robot_ns=1 << 62)
@@ -22,7 +22,7 @@ class Shown:
     """A picture, and the policy whose driver it tells."""
 
     def __init__(self, *, is_open: bool = False) -> None:
-        self.picture = Picture(ROBOT, is_open=is_open)
+        self.picture = Picture(BUMPED, is_open=is_open)
         self.policy = WebPolicy(WebConfig(), ROBOT, "me")
         self.policy.operator.on_tick(Tick(instance="base", epoch=7, robot_ns=1 << 62), 0.0)
 
@@ -58,18 +58,36 @@ def shown() -> Shown:
 def test_what_is_not_heard_is_not_shown() -> None:
     state = Shown().at(0.1)
     assert (state.armed, state.stop, state.directions, state.pose, state.battery) == (None,) * 5
-    assert set(state.ranges) == set(ROBOT.sensors)
-    assert {echo.state for echo in state.ranges.values()} == {"silent"}
+    assert set(state.evidence) == set(BUMPED.sensors)
+    assert {view.state for view in state.evidence.values()} == {"fault"}
+    assert {str(view.reason) for view in state.evidence.values()} == {"never heard; check that giraff_ranger runs"}
     assert "guard" in state.why.what
 
 
-def test_a_page_draws_the_sensors_that_the_robot_has_as_it_says() -> None:
-    first, *others = ROBOT.sensors
-    other = msgspec.structs.replace(ROBOT.sensors[first], half_cone=0.3, reach=0.8)
-    robot = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {first: other})
-    parts = Picture(robot, is_open=False).sensors
-    heard = {name: (part.half_cone, part.reach) for name, part in parts.items()}
-    assert heard == {first: (0.3, 0.8)} | dict.fromkeys(others, (HC_SR04.half_cone, HC_SR04.reach))
+def test_each_sensor_is_shown_by_its_own_evidence(shown: Shown) -> None:
+    heard = Range(sensor="rear", state="echo", range=0.8, echo_us=1, tick=TICK)
+    clear = msgspec.structs.replace(heard, sensor="front_left", state="clear", range=None)
+    fault = msgspec.structs.replace(clear, sensor="front_right", state="fault", reason=Trouble("no echo line"))
+    pushed = Bump(sensor="front", pressed=True, tick=TICK)
+    free = Bump(sensor="back", pressed=False, tick=TICK)
+    strangers = (msgspec.structs.replace(heard, sensor="stranger"), msgspec.structs.replace(heard, sensor="front"))
+    for sample in (heard, clear, fault, pushed, free, *strangers):
+        shown.picture.on_sample(sample, 0.0)
+    views = shown.at(0.1).evidence
+    assert {name: (view.state, view.text, view.reason.what) for name, view in views.items()} == {
+        "front_left": ("free", "clear", ""),
+        "front_right": ("fault", "fault", "no echo line"),
+        "rear": ("seen", "0.80 m", ""),
+        "front": ("near", "pushed", ""),
+        "back": ("free", "free", ""),
+    }
+    [edge] = views["rear"].seen
+    assert edge[1] == (-1.05, 0.0)
+    assert views["rear"].free == (((-0.25, 0.0), *edge, (-0.25, 0.0)),)
+    for field, seen in (("front_left", 0), ("front_right", 0), ("back", 0), ("front", 1)):
+        view = views[field]
+        assert (len(view.free), len(view.seen)) == (1 - seen, seen)
+    assert len(msgspec.json.encode(views)) < 1500, "25 of them go to each page a second"
 
 
 def test_how_a_robot_balances_is_shown_with_its_wheels_and_of_no_other_robot(shown: Shown) -> None:
@@ -105,14 +123,11 @@ def test_all_that_is_heard_is_shown_as_long_as_it_is_new(shown: Shown) -> None:
 
 
 def test_a_sensor_that_is_silent_is_told_so(shown: Shown) -> None:
-    name = next(iter(ROBOT.sensors))
-    reading = Range(instance="r", sensor=name, state="echo", range=0.8, echo_us=1, tick=TICK)
-    shown.picture.on_sample(reading, 0.0)
-    shown.picture.on_sample(msgspec.structs.replace(reading, sensor="stranger"), 0.0)
-    state = shown.at(0.1)
-    assert (state.ranges[name].state, state.ranges[name].range) == ("echo", 0.8)
-    assert "stranger" not in state.ranges
-    assert shown.at(1.6).ranges[name].state == "silent"
+    shown.picture.on_sample(Bump(sensor="front", pressed=True, tick=TICK), 0.0)
+    assert shown.at(0.9).evidence["front"].text == "pushed"
+    silent = shown.at(1.6).evidence["front"]
+    assert (silent.state, str(silent.reason)) == ("fault", "silent for 2 s; check that giraff_ranger runs")
+    assert (silent.free, silent.seen) == (shown.at(0.9).evidence["front"].seen, ())
 
 
 def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set(shown: Shown) -> None:

@@ -130,22 +130,18 @@ test("how a robot balances, and why where it does not", () => {
 });
 
 test("the floor plan as lines", () => {
-  const ranges = {
-    front_left: { state: "echo", range: 0.84, reason: well },
-    rear: { state: "fault", range: null, reason: trouble("no echo at all") },
-    left: { state: "silent", range: null, reason: well },
-    right: { state: "clear", range: null, reason: well },
+  const evidence = {
+    front_left: { text: "0.84 m", reason: well },
+    rear: { text: "fault", reason: trouble("no echo at all", "look at it") },
+    front: { text: "pushed", reason: well },
   };
   const map = { state: "localized", map: "flat", pose: [3, 4, 0], covariance: [0.01, 0, 0.04], yaw_sd: 0.035, why: well };
   const pose = [1, -0.001, Math.PI / 2];
-  const lines = words.floorLines({ ranges, directions: null, pose, covariance: [0, 0, 0.0025], map }, true);
-  assert.deepEqual(lines.slice(0, 4), [
+  const lines = words.floorLines({ evidence, directions: null, pose, covariance: [0, 0, 0.0025], map }, true);
+  assert.deepEqual(lines, [
     "Front left: 0.84 m",
-    "Rear: no echo at all",
-    "Left: not heard",
-    "Right: nothing near",
-  ]);
-  assert.deepEqual(lines.slice(4), [
+    "Rear: no echo at all; look at it",
+    "Front: pushed",
     "By its wheels: x 1.00 m, y 0.00 m, heading 90°, sd 0.05 m",
     "Localized on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°",
   ]);
@@ -176,13 +172,24 @@ test("the plan keeps its scale beside a text that comes and goes, and its ellips
   assert.deepEqual([long.toFixed(2), short.toFixed(2), angle], ["0.49", "0.24", Math.PI / 2]);
 });
 
-test("a cone is as wide, and goes as far, as the robot says of the sensor", () => {
-  const arcs = [];
+test("what a sensor tells is drawn where it says, by its state alone", () => {
+  const drawn = [];
   const none = () => {};
-  const pen = { beginPath: none, moveTo: none, closePath: none, fill: none, arc: (...arc) => arcs.push(arc) };
-  const part = { x: 0.2, y: 0.1, yaw: 1, half_cone: 0.4, reach: 0.5 };
-  const drawn = (echo) => Floor.prototype._cone.call({ _pen: pen, _colours: {}, _stroke: none }, part, echo, 0.3);
-  drawn({ state: "clear", range: null });
-  drawn({ state: "echo", range: 0.9 });
-  assert.deepEqual(arcs, [0.5, 0.9, 0.9].map((reach) => [0.2, 0.1, reach, 0.6, 1.4]));
+  const pen = { globalAlpha: 1, save: none, restore: none, beginPath: none };
+  pen.moveTo = pen.lineTo = (...at) => drawn.push(at);
+  pen.fill = () => drawn.push(["fill", pen.fillStyle]);
+  const floor = Object.create(Floor.prototype);
+  Object.assign(floor, { _pen: pen, _colours: { good: "green", bad: "red" }, _stroke: (...how) => drawn.push(how) });
+  const of = (view) => {
+    drawn.length = 0;
+    floor._area(view);
+    floor._edges(view);
+    return [...drawn];
+  };
+  const strip = [[0, 1], [2, 3]];
+  assert.deepEqual(of({ state: "free", free: [strip], seen: [] }), [...strip, ["fill", "green"], ...strip, ["green", 1]]);
+  assert.deepEqual(of({ state: "fault", free: [strip], seen: [] }), [...strip, ["red", 2, [4, 4]]]);
+  const point = [[5, 6]];
+  const pushed = of({ state: "near", free: [], seen: [strip, point] });
+  assert.deepEqual(pushed, [[0, 1], ...strip, ["red", 4], [5, 6], [5, 6], ["red", 4]]);
 });
