@@ -90,7 +90,8 @@ def test_the_shipped_robot_file_has_its_table(service: Service) -> None:
 
 @pytest.mark.parametrize("service", IN_PACKAGES, ids=lambda service: service.name)
 def test_compose_starts_it(service: Service) -> None:
-    has_port = service.board is not None or service.name == "gateway"
+    code = ROOT / "services" / service.package / "service.py"
+    has_port = service.board is not None or (code.exists() and "io.serial(" in code.read_text(encoding="utf-8"))
     wanted = f"""  {service.name}:
     <<: *{"board" if has_port else "service"}
     profiles: [{PROFILES.get(service.name, service.name)}]
