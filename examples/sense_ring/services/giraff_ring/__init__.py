@@ -1,0 +1,1 @@
+"""Reads a ring of infrared distance sensors."""
