@@ -58,8 +58,10 @@ class Points(NamedTuple):
     """In the frame of `RecentTravel.place`."""
     spread: float
     """m around a point within which the thing itself may be."""
+    reach: float
+    """m from the robot's middle. Something farther away may be unseen, so the robot drives as if it stood there."""
     place: Pose
-    """Place of the robot at the moment of the look."""
+    """Place of the robot at the moment of the newest look."""
 
 
 class Sight(NamedTuple):

@@ -90,7 +90,8 @@ class Nearest:
         return _ReadingLimit(min(allowed, limits.most), reading)
 
     def _verdict_of(self, sensor: str, limit: _ReadingLimit) -> DirectionLimit:
-        seen = f"{sensor} sees something at {limit.reading.distance:.2f} m{', braking' if limit.is_braking else ''}"
+        what = "sees something at" if limit.reading.is_echo else "sees no farther than"
+        seen = f"{sensor} {what} {limit.reading.distance:.2f} m{', braking' if limit.is_braking else ''}"
         if limit.allowed > 0.0:
             return self._limits.allow(limit.allowed, sensor, Trouble(seen))
         return self._limits.block(sensor, Trouble(seen))

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from operator import attrgetter
 
 from giraff_core.kinematics.pose import Pose
 from giraff_guard.geometry import until_touch
@@ -31,13 +30,19 @@ def in_the_way(
 
 
 def with_reading(sight: Sight, place: Pose, way: DriveDirection, limits: Limits) -> Sight:
-    """Return the sight with the reading that its points give straight ahead, the margin counted as in the memory."""
-    nearest = min(in_the_way(sight, place, way, limits), key=attrgetter("distance"), default=None)
-    if nearest is None or sight.points is None:
+    """Return the sight with the reading that its points give straight ahead, the margin counted as in the memory.
+
+    Beyond its reach something may stand.
+    """
+    points, config = sight.points, limits.config
+    if points is None:
         return sight
-    came = SIGN[way] * sight.points.place.ahead(place, 0.0)
-    gap = nearest.distance + min(limits.config.margin, limits.config.memory_margin)
-    return sight._replace(readings=(Reading(gap + came, came, nearest.distance),))
+    came = SIGN[way] * points.place.ahead(place, 0.0)
+    unseen = points.reach - limits.footprint_radius - came
+    nearest = min((each.distance for each in in_the_way(sight, place, way, limits)), default=math.inf)
+    seen = nearest + min(config.margin, config.memory_margin)
+    gap = min(seen, unseen)
+    return sight._replace(readings=(Reading(gap + came, came, gap, is_echo=seen <= unseen),))
 
 
 def touches(sight: Sight, place: Pose, limits: Limits) -> bool:

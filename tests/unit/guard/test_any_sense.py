@@ -40,6 +40,7 @@ class Eye(Source):
     def __init__(self) -> None:
         self.names, self.takes, self.service = ["eye"], Sweep, "scan"
         self.points: Points | None = None
+        self.reach = 4.0
 
     def covers(self, way: DriveDirection) -> list[str]:
         del way
@@ -51,7 +52,7 @@ class Eye(Source):
         place = motion.place_at(sample.tick.robot_ns)
         mount = Pose(0.0, 0.0, 0.0)
         seen = [View(mount, place).point(math.hypot(x, y), math.atan2(y, x)) for x, y in sample.points]
-        self.points = Points(seen, 0.0, place)
+        self.points = Points(seen, 0.0, self.reach, place)
         return []
 
     def sight(self, sensor: str, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> Sight:
@@ -93,6 +94,18 @@ def test_it_stops_at_the_margin_before_a_wall_after_full_speed(eye: Senses) -> N
     assert fastest == ROBOT.max_wheel_speed
     assert (eye.linear, eye.allowed()) == (0.0, 0.0)
     assert CONFIG.margin - 0.01 <= wall - came - ROBOT.footprint_radius < CONFIG.margin + 0.1
+
+
+def test_it_drives_no_faster_than_it_sees_far(eye: Senses) -> None:
+    [source] = eye.obstacles._sources
+    assert isinstance(source, Eye)
+    source.reach = ROBOT.footprint_radius + CONFIG.margin + 0.04
+    look(eye)
+    assert 0.0 < eye.allowed() < 0.25
+    assert eye.verdict().reason.what == "eye sees no farther than 0.29 m"
+    source.reach = ROBOT.footprint_radius + CONFIG.margin
+    look(eye)
+    assert eye.allowed() == 0.0
 
 
 def test_a_point_beside_the_way_bends_no_straight_line_and_slows_the_curve_that_sweeps_it(eye: Senses) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.parts import ANGLE, PLACE
-from giraff_core.senses.sense import Evidence, Sense, Summary
+from giraff_core.senses.sense import Evidence, Sense, Strip, Summary, arc
 from giraff_schemas.ring import SENSORS, RingLook
 from giraff_schemas.topics import RING, Topic
 
@@ -25,8 +25,8 @@ class IrRing(Sense, frozen=True, kw_only=True, tag="ir-ring"):
     """rad. Direction in which sensor number 0 looks."""
     radius: Annotated[float, Bounds(0.0, 1.0, "m")] = 0.0
     """m from the centre to each sensor."""
-    reach: Annotated[float, Bounds(0.8, 1.5, "m")] = 1.5
-    """m beyond which a distance is not trusted: the way to a stop, and the margin, from the robot's rim."""
+    reach: Annotated[float, Bounds(0.1, 1.5, "m")] = 1.5
+    """m beyond which a distance is not trusted."""
 
     def __post_init__(self) -> None:
         check_bounds(self)
@@ -41,6 +41,11 @@ class IrRing(Sense, frozen=True, kw_only=True, tag="ir-ring"):
         """Return the nearest distance."""
         nearest = min((each for each in sample.distances if each is not None), default=None)
         return Summary("clear" if nearest is None else f"{nearest:.2f} m", nearest)
+
+    def field(self, footprint_radius: float) -> list[Strip]:
+        """Return the circle of its reach."""
+        del footprint_radius
+        return [arc(self.x, self.y, self.radius + self.reach, 0.0, math.pi)]
 
     def evidence(self, sample: RingLook, footprint_radius: float) -> Evidence:
         """Return a point for each distance."""

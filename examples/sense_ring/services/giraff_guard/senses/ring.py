@@ -1,5 +1,6 @@
 """Infrared rings as a sense of the guard: points all round, of the last two looks."""
 
+import math
 from collections.abc import Sequence
 
 from giraff_core.freshness import age
@@ -51,8 +52,9 @@ class RingSource(Source):
         looks = self._looks[sensor]
         if len(looks) < 2:
             return Sight(sensor, blind=_ONE_LOOK.of(sensor))
-        points = [point for _, _, seen in looks for point in seen]
-        return Sight(sensor, points=Points(points, 0.0, looks[-1][1]))
+        points, ring = [point for _, _, seen in looks for point in seen], self._rings[sensor]
+        reach = ring.radius + ring.reach - math.hypot(ring.x, ring.y)
+        return Sight(sensor, points=Points(points, 0.0, reach, looks[-1][1]))
 
     def trouble(self, sensor: str, motion: RecentTravel, now: RobotTime) -> Trouble:
         """Return that one that is heard is trusted."""
