@@ -17,7 +17,7 @@ import msgspec.inspect
 
 from giraff_core.network import host_and_port
 from giraff_core.robot import WIRING
-from giraff_core.senses import typed
+from giraff_core.senses import UnknownSensor, typed
 from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.services import ROBOT_TABLES
 from giraff_schemas.text import near, plain
@@ -307,7 +307,7 @@ def _type_of(kind: Any, values: Mapping[str, Any], key: str) -> Any:
 
 def _words(kind: Any, values: Mapping[str, Any], key: str) -> Sequence[str]:
     """Return the words that may stand under this key; none where anything may."""
-    tags = [str(each.tag) for each in _structs(kind, {}) if each.tag_field == key]
+    tags = [str(each.tag) for each in _structs(kind, {}) if each.tag_field == key and each.cls is not UnknownSensor]
     inner = _type_of(kind, values, key)
     return tags or (tuple(map(str, inner.values)) if isinstance(inner, msgspec.inspect.LiteralType) else ())
 
