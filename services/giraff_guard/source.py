@@ -65,7 +65,7 @@ class Points(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """What one sensor tells of one direction."""
+    """What one sensor tells of one direction. One that sees ahead gives `readings` or `points`, or says why not."""
 
     sensor: str
     blind: Trouble = NO_TROUBLE
@@ -116,6 +116,11 @@ class Source(ABC):
     @abstractmethod
     def sight(self, sensor: str, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> Sight:
         """Return what a sensor that was heard lately tells of a direction, once a decision."""
+
+    def touch(self, sensor: str, way: DriveDirection, motion: RecentTravel) -> Trouble:
+        """Return why something may touch the robot there, which counts on while the sensor is silent."""
+        del sensor, way, motion
+        return NO_TROUBLE
 
     @abstractmethod
     def trouble(self, sensor: str, motion: RecentTravel, now: RobotTime) -> Trouble:

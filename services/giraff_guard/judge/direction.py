@@ -9,7 +9,7 @@ from giraff_guard.judge.memory import Echoes
 from giraff_guard.judge.nearest import Nearest
 from giraff_guard.judge.points import in_the_way, with_reading
 from giraff_guard.judge.recent import RecentObstacles
-from giraff_guard.judge.silence import silence
+from giraff_guard.judge.silence import emptiness, silence
 from giraff_guard.limits import OTHER, SIGN, DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
 from giraff_guard.source import Beam, Sight, Source
@@ -48,7 +48,7 @@ class Direction:
         """What the sensors tell now."""
         self._blocked = True
         self._blocker = ""
-        """The sensor that blocked this way last."""
+        """The sensor that blocked this way last; empty: none has yet, and each one's looks count."""
         self._regained = 0.0
         """m/s beyond creeping that its looks since then allow."""
         self._looked_ns = -_LOOKS_NS
@@ -56,7 +56,7 @@ class Direction:
 
     def on_sample(self, sensor: str, tick: RobotTime, beams: Sequence[Beam]) -> None:
         """Take what a sensor tells. `tick`: moment of its look."""
-        if not self._blocked and sensor == self._blocker and tick.robot_ns - self._looked_ns >= _LOOKS_NS:
+        if not self._blocked and self._blocker in ("", sensor) and tick.robot_ns - self._looked_ns >= _LOOKS_NS:
             self._regained += self._limits.config.recovery_step
             self._looked_ns = tick.robot_ns
         for beam in beams:
@@ -73,8 +73,10 @@ class Direction:
     def _sight(self, source: Source, sensor: str, motion: RecentTravel, now: RobotTime) -> Sight:
         budget = self._limits.config.range_budget
         if unheard := silence(sensor, source.service, self._ticks[sensor], budget, now):
-            return Sight(sensor, blind=unheard)
-        return source.sight(sensor, self._way, motion, now)
+            return Sight(sensor, blind=unheard, touch=source.touch(sensor, self._way, motion))
+        sight = source.sight(sensor, self._way, motion, now)
+        empty = emptiness(sight, sees_ahead=source.sees_ahead)
+        return Sight(sensor, blind=empty, touch=sight.touch) if empty else sight
 
     def judge(self, behind: "Direction", echoes: Echoes, motion: RecentTravel, now: RobotTime) -> DirectionLimit:
         """Return the verdict by the last `update`. `behind`: the other way."""

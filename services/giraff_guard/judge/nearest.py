@@ -62,7 +62,7 @@ class Nearest:
         `blocked`: this sensor blocked it last. A silence limits nothing.
         """
         limits, config = self._limits, self._limits.config
-        if sight.blind:
+        if sight.blind and not sight.touch:
             return limits.creep(sight.sensor, sight.blind)
         echoes = [reading for reading in sight.readings if reading.is_echo]
         room = min((reading.gap - reading.came for reading in echoes), default=math.inf)
@@ -82,7 +82,7 @@ class Nearest:
             # As if it had gone on at that speed since the reading, whatever the wheels say.
             allowed = min(allowed, limits.fastest(room, age))
         too_close = room - came < config.release if blocked else room <= 0.0
-        if too_close or allowed < config.min_speed or math.isnan(allowed):
+        if too_close or allowed < config.min_speed:
             return _ReadingLimit(0.0, reading)
         if came + stops_within > room:
             # The robot is faster than it may be: power off brakes harder than a lower level does.

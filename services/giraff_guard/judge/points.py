@@ -24,8 +24,6 @@ def in_the_way(
         x, y = place.sees(*point)
         distance = until_touch(x * sign, y, curvature, reach)
         if distance is not None:
-            # A place that is no number is taken for one that touches.
-            distance = 0.0 if math.isnan(distance) else distance
             yield Obstruction(distance, sight.sensor, math.atan2(y, x), is_old=False)
 
 

@@ -1,8 +1,9 @@
-"""A sensor that is not heard tells nothing: its silence is no freedom."""
+"""A sensor that is not heard, or tells nothing, is blind: its silence is no freedom."""
 
 import math
 
 from giraff_core.freshness import age
+from giraff_guard.source import Sight
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
@@ -17,4 +18,17 @@ def silence(sensor: str, service: str, tick: RobotTime | None, budget: float, no
     if (old := age(tick, now)) > budget:
         last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
         return Trouble(f"{sensor} is stale ({last})", f"check giraff_{service} and its board")
+    return NO_TROUBLE
+
+
+def emptiness(sight: Sight, *, sees_ahead: bool) -> Trouble:
+    """Return why what a heard sensor tells does not count: it is nothing, or no number."""
+    points = sight.points
+    if sees_ahead and not (sight.blind or sight.touch or sight.readings or points is not None):
+        return Trouble(f"{sight.sensor} tells nothing of this way")
+    numbers = [sight.doubtful_speed, *(number for each in sight.readings for number in (each.gap, each.came))]
+    if points is not None:
+        numbers += [points.spread, points.reach, *(each for place in points.xy for each in place)]
+    if any(map(math.isnan, numbers)):
+        return Trouble(f"{sight.sensor} tells a distance that is no number")
     return NO_TROUBLE

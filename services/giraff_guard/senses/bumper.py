@@ -50,19 +50,22 @@ class BumperSource(Source):
     def sight(self, sensor: str, way: DriveDirection, motion: RecentTravel, now: RobotTime) -> Sight:
         """Return whether something touches it."""
         del now
+        return Sight(sensor, touch=self.touch(sensor, way, motion))
+
+    def touch(self, sensor: str, way: DriveDirection, motion: RecentTravel) -> Trouble:
+        """Return why something may touch it: its last word, or where it was pushed last."""
         if sensor in self._pressed:
-            return Sight(sensor, touch=Trouble(f"{sensor} is pushed: something touches it, or its wire is cut"))
+            return Trouble(f"{sensor} is pushed: something touches it, or its wire is cut")
         touched, away = self._touched.get(sensor), 2.0 * self.live.config.touch_distance
         if touched is None:
-            return Sight(sensor)
+            return NO_TROUBLE
         if sensor in self._uncertain or not motion.heard:
             touched = self._touch(sensor, motion)
         backed = -SIGN[way] * touched.ahead(motion.place, 0.0)
         if backed >= away or abs(motion.place.yaw - touched.yaw) >= _TURNED_AWAY:
             del self._touched[sensor]
-            return Sight(sensor)
-        what = f"{sensor} was pushed here, and the robot has not come {away:g} m away"
-        return Sight(sensor, touch=Trouble(what))
+            return NO_TROUBLE
+        return Trouble(f"{sensor} was pushed here, and the robot has not come {away:g} m away")
 
     def trouble(self, sensor: str, motion: RecentTravel, now: RobotTime) -> Trouble:
         """Return that one that is heard is trusted."""

@@ -10,8 +10,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.senses import Bumper
 from giraff_guard import obstacles
 from giraff_guard.geometry import View
-from giraff_guard.judge.nearest import Nearest
-from giraff_guard.limits import SIGN, DriveDirection, Limits
+from giraff_guard.limits import SIGN, DriveDirection
 from giraff_guard.motion import RecentTravel
 from giraff_guard.registry import sources_of
 from giraff_guard.source import Beam, Points, Reading, Sight, Source
@@ -130,12 +129,35 @@ def test_one_that_falls_silent_blocks_every_way_that_it_covers(eye: Senses) -> N
     assert "giraff_scan" in eye.verdict().reason.remedy
 
 
-def test_a_place_that_is_no_number_blocks(eye: Senses) -> None:
-    look(eye, (math.nan, 0.0), (3.0, 0.0))
+NOWHERE: Final = Pose(0.0, 0.0, 0.0)
+FREE: Final = Reading(9.0, 0.0, 9.0)
+
+
+@pytest.mark.parametrize(
+    ("sight", "why"),
+    [
+        (Sight("eye"), "tells nothing of this way"),
+        (Sight("eye", readings=[FREE, Reading(math.nan, 0.0, 1.0)]), "is no number"),
+        (Sight("eye", readings=[FREE], doubt=Trouble("doubted"), doubtful_speed=math.nan), "is no number"),
+        (Sight("eye", points=Points([(3.0, 0.0), (math.nan, 0.0)], 0.0, 4.0, NOWHERE)), "is no number"),
+        (Sight("eye", points=Points([], math.nan, 4.0, NOWHERE)), "is no number"),
+        (Sight("eye", points=Points([], 0.0, math.nan, NOWHERE)), "is no number"),
+    ],
+)
+def test_one_that_tells_nothing_or_no_number_blocks(
+    eye: Senses, monkeypatch: pytest.MonkeyPatch, sight: Sight, why: str
+) -> None:
+    monkeypatch.setattr(Eye, "sight", lambda *_: sight)
     assert eye.allowed() == 0.0
-    nearest = Nearest(Limits(eye.live, BLIND))
-    sight = Sight("eye", readings=[Reading(math.nan, 0.0, 1.0)])
-    assert nearest.verdict(sight, 0.0, 0.0, blocked=False).allowed == 0.0
+    assert why in eye.verdict().reason.what
+
+
+def test_one_that_is_good_before_the_first_decision_opens_its_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(obstacles, "sources_of", lambda *_: [Eye()])
+    senses = Senses(BLIND)
+    senses.obstacles.on_sensed(Sweep(tick=senses.now), senses.now)
+    look(senses, seconds=1.0)
+    assert senses.allowed() == ROBOT.max_wheel_speed
 
 
 def test_many_looks_open_a_blocked_way_no_sooner_than_ten_a_second(eye: Senses) -> None:

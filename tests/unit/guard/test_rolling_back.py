@@ -62,6 +62,11 @@ def test_a_bumper_that_is_pushed_behind_blocks_and_one_that_is_not_heard_creeps(
         senses.obstacles.on_sensed(Bump(sensor="back", pressed=pressed, tick=senses.now), senses.now)
         assert senses.allowed() == allowed
     assert "would first roll back towards it" in str(senses.verdict().reason)
+    senses.cycle(cycles=3)
+    assert senses.verdict().reason.what.startswith("back is pushed"), "its last word counts while it is silent"
+    senses.obstacles.forget()
+    senses.cycle(cycles=3)
+    assert senses.verdict().reason.what.startswith("back was pushed here"), "in another epoch, too"
 
 
 def test_the_way_opens_again_where_there_is_a_little_more_room_behind() -> None:
