@@ -9,7 +9,7 @@ from giraff_schemas.topics import Query, Topic
 from giraff_schemas.wire import BoardKind
 
 _SENSED: Final = (t.RANGE, t.BUMPER)
-"""What the robot's sensors say: the guard obeys it, and screens show it."""
+"""Topics of the robot's sensors. The guard obeys them, and screens show them."""
 
 
 class Service(msgspec.Struct, frozen=True, kw_only=True):

@@ -9,7 +9,7 @@ Point = tuple[float, float]
 
 
 class View:
-    """What a sensor looks at, with the robot at `place`."""
+    """The field of a sensor, with the robot at `place`."""
 
     def __init__(self, mount: Pose, place: Pose) -> None:
         """`mount`: place and axis of the sensor in `base_link`."""

@@ -59,7 +59,7 @@ class Obstacles:
         self._begin()
 
     def on_sensed(self, sample: Sensed, now: RobotTime) -> bool:
-        """A sample newer than the last of its sensor. One of a sensor that the robot file lacks says nothing.
+        """Take a sample that is newer than the last of its sensor. A sensor that the robot file lacks says nothing.
 
         True: less may pass now than has passed last.
         """

@@ -43,7 +43,7 @@ class SensorEvidence:
         return True
 
     def judge(self, guard: GuardState) -> None:
-        """What the guard makes of it."""
+        """Take the guard's judgement of it."""
         self._distrust = str(state.trouble) if (state := guard.sensors.get(self._name)) is not None else ""
         verdicts = (guard.forward, guard.backward, guard.turn_left, guard.turn_right)
         self._blocks = any(each.clearance == "blocked" and each.sensor == self._name for each in verdicts)

@@ -34,20 +34,20 @@ _NO_PICTURE: Final = 1
 
 
 class CameraReport(msgspec.Struct, frozen=True, kw_only=True):
-    """How a camera is."""
+    """State of a camera."""
 
     name: str
     on: bool
     """It sends pictures, because somebody looks."""
     askers: tuple[Asker, ...]
-    """Who looks."""
+    """Viewers of it."""
     width: int
     """px of a full picture."""
     height: int
     rate: float
     """Hz. Pictures that it took in the last second."""
     trouble: str
-    """Why there are no pictures though somebody looks; empty: nothing is wrong."""
+    """Cause, where somebody looks and there are no pictures; empty: nothing is wrong."""
 
 
 class Cameras(msgspec.Struct, frozen=True, kw_only=True):

@@ -9,7 +9,7 @@ from giraff_guard.judge.memory import Echoes
 from giraff_guard.judge.nearest import Nearest
 from giraff_guard.judge.points import in_the_way, with_reading
 from giraff_guard.judge.recent import RecentObstacles
-from giraff_guard.judge.silence import emptiness, silence
+from giraff_guard.judge.silence import silence, unusable
 from giraff_guard.limits import OTHER, SIGN, DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
 from giraff_guard.source import Beam, Sight, Source
@@ -75,8 +75,8 @@ class Direction:
         if unheard := silence(sensor, source.service, self._ticks[sensor], budget, now):
             return Sight(sensor, blind=unheard, touch=source.touch(sensor, self._way, motion))
         sight = source.sight(sensor, self._way, motion, now)
-        empty = emptiness(sight, sees_ahead=source.sees_ahead)
-        return Sight(sensor, blind=empty, touch=sight.touch) if empty else sight
+        why = unusable(sight, sees_ahead=source.sees_ahead)
+        return Sight(sensor, blind=why, touch=sight.touch) if why else sight
 
     def judge(self, behind: "Direction", echoes: Echoes, motion: RecentTravel, now: RobotTime) -> DirectionLimit:
         """Return the verdict by the last `update`. `behind`: the other way."""

@@ -21,8 +21,8 @@ def silence(sensor: str, service: str, tick: RobotTime | None, budget: float, no
     return NO_TROUBLE
 
 
-def emptiness(sight: Sight, *, sees_ahead: bool) -> Trouble:
-    """Return why what a heard sensor tells does not count: it is nothing, or no number."""
+def unusable(sight: Sight, *, sees_ahead: bool) -> Trouble:
+    """Return why the evidence of a sensor that is heard does not count: there is none, or it is no number."""
     points = sight.points
     if sees_ahead and not (sight.blind or sight.touch or sight.readings or points is not None):
         return Trouble(f"{sight.sensor} tells nothing of this way")
