@@ -16,7 +16,7 @@ from bench.meter import usage
 from bench.pairs import session_environment
 from giraff_schemas.codec import encode
 from giraff_schemas.services import SERVICES, Service
-from giraff_schemas.topics import ATTITUDE, BUMPER, Topic
+from giraff_schemas.topics import ATTITUDE, BUMPER, SCAN, Topic
 from giraff_sim.board import ROOT
 from giraff_tools.network.ports import free_port
 from tests.support.process_robot import ARENA, FULL_TILT, process_robot
@@ -26,8 +26,8 @@ from tests.timing.sleepers import stalls_seen
 from tests.unit.schemas.samples import an_example
 
 _SENSORS: Final = ("front_left", "front_right", "rear")
-_UNUSED: Final = (ATTITUDE, BUMPER)
-"""Topics that a robot on two wheels without bumpers never has."""
+_UNUSED: Final = (ATTITUDE, BUMPER, SCAN)
+"""Topics that a robot on two wheels without bumpers and scanner never has."""
 _SECONDS: Final = 8.0
 _PAIRS: Final = 4
 """Of a start and a stop of the hand in a round."""

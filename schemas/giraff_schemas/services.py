@@ -8,7 +8,7 @@ from giraff_schemas import topics as t
 from giraff_schemas.topics import Query, Topic
 from giraff_schemas.wire import BoardKind
 
-_SENSED: Final = (t.RANGE, t.BUMPER)
+_SENSED: Final = (t.RANGE, t.BUMPER, t.SCAN)
 """Topics of the robot's sensors. The guard obeys them, and screens show them."""
 
 
@@ -43,6 +43,8 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
     """Extra of the distribution that brings them."""
     inside: bool = False
     """It listens to processes of its own host alone."""
+    extra_device: bool = False
+    """It reads a device that most robots do not have, and is started only where somebody says so."""
 
     @property
     def package(self) -> str:
@@ -136,6 +138,15 @@ RANGER: Final = Service(
     board=BoardKind.RANGER,
     simulated=True,
     inside=True,
+)
+SCAN: Final = Service(
+    name="scan",
+    host="robot",
+    publishes=(t.SCAN,),
+    subscribes=(t.TICK, t.ODOM),
+    optional=True,
+    inside=True,
+    extra_device=True,
 )
 ODOMETRY: Final = Service(
     name="odometry",
@@ -235,7 +246,7 @@ ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host =
 """Names of those that every robot has."""
 WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)
 """Names of those whose end is an incident while the robot is armed."""
-INSTALLED: Final = (DOOR.name, *(service.name for service in SERVICES if service.inside))
+INSTALLED: Final = (DOOR.name, *(service.name for service in SERVICES if service.inside and not service.extra_device))
 """Names of those that are started on a robot's computer unless somebody says otherwise."""
 ANSWERING: Final = frozenset(service.name for service in SERVICES if service.table and service.host != "router")
 """Names of those that answer for their parameters on the robot's network."""

@@ -14,6 +14,7 @@ from giraff_schemas import motion as mo
 from giraff_schemas import params as p
 from giraff_schemas import requests as r
 from giraff_schemas.bumper import Bump
+from giraff_schemas.scan import LaserScan
 
 SampleT = TypeVar("SampleT", bound=m.Sample)
 
@@ -74,6 +75,7 @@ OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 50, "control", "operator")
 LEASE = Topic("lease", m.Lease, 10, "control")
 RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control", "sensor", inside=True)
 BUMPER = Topic("bumper/*", Bump, 20, "control", "sensor", inside=True)
+SCAN = Topic("scan/*", LaserScan, 10, "control", "sensor", inside=True, size=1100)
 CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control", inside=True)
 WHEELS = Topic("wheels", m.Wheels, 100, "control", inside=True)
 ATTITUDE = Topic("attitude", m.Attitude, 100, "control", inside=True)
@@ -106,6 +108,7 @@ TOPICS: tuple[Topic[Any], ...] = (
     LEASE,
     RANGE,
     BUMPER,
+    SCAN,
     CMD_VEL,
     WHEELS,
     ATTITUDE,

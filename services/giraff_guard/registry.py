@@ -7,11 +7,12 @@ from giraff_core.robot import RobotConfig
 from giraff_core.senses import SENSED, TYPES, UnknownSensor
 from giraff_guard.config import GuardConfig
 from giraff_guard.senses.bumper import BumperSource
+from giraff_guard.senses.laser_scanner import LaserScannerSource
 from giraff_guard.senses.ultrasonic.source import UltrasonicSource
 from giraff_guard.source import Source
 from giraff_schemas.topics import Topic
 
-SOURCES: Final[tuple[type[Source], ...]] = (UltrasonicSource, BumperSource)
+SOURCES: Final[tuple[type[Source], ...]] = (UltrasonicSource, LaserScannerSource, BumperSource)
 """Of two senses that allow the same, the first one is named."""
 
 

@@ -8,7 +8,7 @@ import msgspec
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import Bumper, Camera, Ultrasonic
+from giraff_core.senses import Bumper, Camera, LaserScanner, Ultrasonic
 
 ULTRASONIC: Final = {
     "front_left": Ultrasonic(index=0, x=0.25, y=0.15, yaw=0.0),
@@ -30,7 +30,9 @@ BUMPED = msgspec.structs.replace(
     sensors=ROBOT.sensors | {"front": Bumper(index=0, way="forward"), "back": Bumper(index=1, way="backward")},
 )
 """The same with a bumper at each half of its rim."""
-FITTED = msgspec.structs.replace(BUMPED, sensors=BUMPED.sensors | {"head": Camera(z=1.0)})
+FITTED = msgspec.structs.replace(
+    BUMPED, sensors=BUMPED.sensors | {"head": Camera(z=1.0), "laser": LaserScanner(x=-0.1, y=0.0, yaw=0.0, own=())}
+)
 """With all that a robot may have."""
 
 DRIVE = WheelsConfig(

@@ -8,14 +8,26 @@ from typing import Any, Final, get_args
 
 from giraff_core.senses.bumper import Bumper
 from giraff_core.senses.camera import Camera
+from giraff_core.senses.laser_scanner import LaserScanner
 from giraff_core.senses.sense import Evidence, Sense, Sensed, Summary, UnknownSensor
 from giraff_core.senses.ultrasonic import HC_SR04, Ultrasonic
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import Topic
 
-__all__ = ["HC_SR04", "Bumper", "Camera", "Evidence", "Sense", "Sensed", "Summary", "Ultrasonic", "UnknownSensor"]
+__all__ = [
+    "HC_SR04",
+    "Bumper",
+    "Camera",
+    "Evidence",
+    "LaserScanner",
+    "Sense",
+    "Sensed",
+    "Summary",
+    "Ultrasonic",
+    "UnknownSensor",
+]
 
-KnownSense = Ultrasonic | Bumper | Camera
+KnownSense = Ultrasonic | Bumper | Camera | LaserScanner
 """Each type that a robot file may name. Guard and replay read their topics, and number their samples, in this order."""
 AnySense = KnownSense | UnknownSensor
 SENSES: Final[tuple[type[Sense], ...]] = get_args(KnownSense)

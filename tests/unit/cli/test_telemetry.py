@@ -127,7 +127,7 @@ def test_keys_are_in_the_order_of_the_table() -> None:
     # The others are of no robot by itself.
     others = (
         *(topics.CAMERA, topics.CAMERA_SMALL, topics.CAMERA_ON, topics.CAMERA_STATE, topics.VISUAL_ODOM),
-        *(topics.ATTITUDE, topics.BUMPER, topics.MOTION_HOLD, topics.POSE, topics.PARTICLES, topics.MAP),
+        *(topics.ATTITUDE, topics.BUMPER, topics.SCAN, topics.MOTION_HOLD, topics.POSE, topics.PARTICLES, topics.MAP),
         topics.TRUE_POSE,
     )
     order = [topic.key for topic in topics.TOPICS if topic.rate_hz and topic not in others]

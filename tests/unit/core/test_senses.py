@@ -58,7 +58,10 @@ def test_a_robot_file_without_sensors_is_one_of_a_robot_without_any(tmp_path: Pa
         (f"{POSE}half_cone = 7.5", "half_cone"),
         (f"{POSE}z = -1.0", "z is -1: it must be within 0..2 m; how many metres above the floor is it?"),
         ("type = 'camera'\nz = -1.0", "z is -1: it must be within 0.02..3 m; how high above the floor is its lens?"),
-        (f"{POSE}type = 3", "sensors.front.type must be text, and is a number; known are: bumper, camera, hc-sr04$"),
+        (
+            f"{POSE}type = 3",
+            "sensors.front.type must be text, and is a number; known are: bumper, camera, hc-sr04, ld19$",
+        ),
         (f"{POSE}[robot.sensors.other]\n{POSE}", r"sensors share an index: \[0, 0\]"),
     ],
 )

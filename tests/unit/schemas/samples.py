@@ -10,6 +10,7 @@ from giraff_schemas import camera as c
 from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
+from giraff_schemas import scan as sc
 
 _FINITE = st.floats(allow_nan=False, allow_infinity=False)
 _COUNTS = st.integers(min_value=-(1 << 63), max_value=(1 << 64) - 1)  # what MessagePack can carry
@@ -64,6 +65,10 @@ def messages(type_: type[msgspec.Struct]) -> st.SearchStrategy[Any]:
         poses = st.lists(st.tuples(_FINITE, _FINITE, _FINITE), max_size=3)
         others = {name: value for name, value in fields.items() if name not in {"x", "y", "yaw"}}
         return st.builds(_particles, poses, st.fixed_dictionaries(others))
+    if type_ is sc.LaserScan:
+        seconds, sectors = st.floats(0.0, 0.5), st.lists(st.integers(0, sc.SECTORS - 1), max_size=3).map(tuple)
+        rays, steps = st.binary(min_size=2 * sc.RAYS, max_size=2 * sc.RAYS), st.floats(0.001, 3.0)
+        fields |= {"ranges": rays, "step": steps, "duration": seconds, "blind": sectors}
     return st.builds(type_, **fields)
 
 
@@ -158,6 +163,9 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "decided_us": 15700,
     },
     m.Range: _START | {"sensor": "rear", "state": "echo", "range": 1.25, "echo_us": 7250, "tick": _TIME} | _SAYS,
+    sc.LaserScan: _START
+    | {"sensor": "laser", "ranges": bytes(2 * sc.RAYS), "bearing": 0.0, "step": -0.014, "duration": 0.1}
+    | {"since_tick": 0.02, "odom": [0.5, -0.25, 0.125], "blind": [3, 4], "trouble": _WELL, "tick": _TIME},
     b.Bump: _START | {"sensor": "front", "pressed": True, "tick": _TIME},
     m.Wheels: _START
     | {

@@ -71,6 +71,7 @@ def test_motion_and_what_it_is_judged_by_go_before_all_else() -> None:
         "cmd_vel",
         "range/*",
         "bumper/*",
+        "scan/*",
         "attitude",
         "wheels",
         "lease",

@@ -1,0 +1,1 @@
+"""Reads a laser scanner."""
