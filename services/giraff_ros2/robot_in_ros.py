@@ -8,17 +8,19 @@ from rosbags.typesys.stores.ros2_kilted import std_msgs__msg__String as String
 from giraff_core.latest import LatestSamples
 from giraff_core.picture.receiver import OpenSource, PictureReceiver
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import Camera, Ultrasonic
+from giraff_core.senses import Camera, LaserScanner, Ultrasonic
 from giraff_core.timer import Timer
 from giraff_ros2 import topics as ros
 from giraff_ros2.messages import pose, sensors
 from giraff_ros2.messages.diagnostics import diagnostics
 from giraff_ros2.messages.occupancy import occupancy
+from giraff_ros2.messages.scan import laser_scan
 from giraff_ros2.messages.urdf import urdf
 from giraff_ros2.port import RosPort
 from giraff_ros2.topics import RosTopic
 from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Battery, Odometry, Range, Sample, Tilt
+from giraff_schemas.scan import LaserScan
 
 _DIAGNOSTICS_HZ: Final = 1.0
 _APART: Final = 1.0  # s between two starts to look at a camera
@@ -26,7 +28,7 @@ _APART: Final = 1.0  # s between two starts to look at a camera
 
 def published(robot: RobotConfig) -> tuple[RosTopic, ...]:
     """Return what this robot's node publishes, without a `*`."""
-    names = {ros.RANGE: [*robot.of(Ultrasonic)], ros.CAMERA: [*robot.of(Camera)]}
+    names = {ros.RANGE: [*robot.of(Ultrasonic)], ros.SCAN: [*robot.of(LaserScanner)], ros.CAMERA: [*robot.of(Camera)]}
     return tuple(
         row
         for topic in ros.PUBLISHED
@@ -40,7 +42,7 @@ class RobotInRos:
     def __init__(self, robot: RobotConfig, port: RosPort, open_source: OpenSource | None, by: str) -> None:
         """`open_source`: looks at a camera; None: ROS is shown no pictures. `by`: who looks, for people."""
         self._robot, self._ros = robot, port
-        self._sensors, self._cameras = robot.of(Ultrasonic), robot.of(Camera)
+        self._sensors, self._scanners, self._cameras = robot.of(Ultrasonic), robot.of(LaserScanner), robot.of(Camera)
         self._newest = LatestSamples()
         self._timer = Timer(_DIAGNOSTICS_HZ)
         self._pictures = PictureReceiver(open_source, by, _APART)
@@ -75,6 +77,8 @@ class RobotInRos:
                 self._put(ros.TF, pose.odom_transform, sample)
             case Range() if (sensor := self._sensors.get(sample.sensor)) is not None:
                 self._ros.publish(ros.RANGE.at(sample.sensor), sensors.range_reading(sample, sensor))
+            case LaserScan() if (scanner := self._scanners.get(sample.sensor)) is not None:
+                self._ros.publish(ros.SCAN, laser_scan(sample, scanner))
             case Tilt():
                 self._put(ros.HAND_IMU, sensors.imu, sample)
             case Battery():

@@ -37,6 +37,7 @@ ODOM: Final = RosTopic("odom", "nav_msgs/msg/Odometry")
 TF: Final = RosTopic("tf", "tf2_msgs/msg/TFMessage", Qos(depth=100))
 TF_STATIC: Final = RosTopic("tf_static", "tf2_msgs/msg/TFMessage", LATCHED)
 RANGE: Final = RosTopic("range/*", "sensor_msgs/msg/Range", SENSOR)
+SCAN: Final = RosTopic("scan", "sensor_msgs/msg/LaserScan", SENSOR)
 HAND_IMU: Final = RosTopic("hand/imu", "sensor_msgs/msg/Imu", SENSOR)
 BATTERY: Final = RosTopic("battery_state", "sensor_msgs/msg/BatteryState")
 DIAGNOSTICS: Final = RosTopic("diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
@@ -47,7 +48,7 @@ ROBOT_DESCRIPTION: Final = RosTopic("robot_description", "std_msgs/msg/String", 
 ESTOP_ENGAGED: Final = RosTopic("~/estop_engaged", "std_msgs/msg/Bool", LATCHED)
 
 PUBLISHED: Final = (
-    *(ODOM, TF, TF_STATIC, RANGE, HAND_IMU, BATTERY, DIAGNOSTICS),
+    *(ODOM, TF, TF_STATIC, RANGE, SCAN, HAND_IMU, BATTERY, DIAGNOSTICS),
     *(MAP, POSE, CAMERA, ROBOT_DESCRIPTION, ESTOP_ENGAGED),
 )
 
