@@ -70,8 +70,8 @@ def packet_length(data: bytearray) -> int:
 
 
 def packet_of(data: bytes) -> Packet | None:
-    """Return the packet that some bytes are; None: they are none."""
-    if len(data) != SIZE or crc8(data) != 0:
+    """Return the packet that was cut off by its length; None: these bytes are none."""
+    if len(data) != SIZE or not data.startswith(MARK):
         return None
     _, speed, start, points, end, ms, _ = _PACKET.unpack(data)
     spread = (end - start) % _CIRCLE / 100.0

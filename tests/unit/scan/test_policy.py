@@ -53,6 +53,18 @@ def test_each_ray_is_where_it_looked_and_when(speed: float) -> None:
     assert max(abs(mm - ramp(360.0 * ray / RAYS)) for ray, mm in told) <= 10
 
 
+def test_of_two_points_on_one_ray_the_nearer_one_counts() -> None:
+    """At 8 turns a second there are 562 points on 450 rays. Every second one is near, those or the others."""
+    near = 0
+    for first in (0, 1):
+
+        def room(angle: float, first: int = first) -> int:
+            return 1000 if round(angle / 0.64) % 2 == first else 1500
+
+        near += turns_of(packets(room, 0.4, speed=2880.0))[1].ranges.count(1000)
+    assert near > 1.1 * RAYS
+
+
 def test_no_turn_is_told_before_one_is_whole() -> None:
     assert turns_of(packets(ramp, 0.14)) == []
     assert len(turns_of(packets(ramp, 0.1501))) == 1
