@@ -115,11 +115,9 @@ class LaserScannerSource(Source):
         )
 
     def trouble(self, sensor: str, motion: RecentTravel, now: RobotTime) -> Trouble:
-        """Return what its service says is wrong with it, or why the robot creeps."""
+        """Return what its service says is wrong with it. A part of a way that it does not see is the way's trouble."""
         del motion, now
-        ways: tuple[DriveDirection, ...] = ("forward", "backward")
-        doubts = [doubt for way in ways if (doubt := self._doubt(sensor, way))]
-        return self._scanners[sensor].trouble or next(iter(doubts), NO_TROUBLE)
+        return self._scanners[sensor].trouble
 
     def forget(self) -> None:
         """Begin anew."""
