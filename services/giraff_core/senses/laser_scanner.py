@@ -90,4 +90,4 @@ class LaserScanner(Sense, frozen=True, kw_only=True, tag="ld19"):
                 strips[-1].append(place)
             else:
                 strips.append([place])
-        return Evidence(seen=[[(round(x, 3), round(y, 3)) for x, y in strip] for strip in strips])
+        return Evidence(seen=strips)

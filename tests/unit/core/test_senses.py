@@ -1,15 +1,20 @@
 """Sensors of a robot file, by their type."""
 
+import math
+from array import array
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
 
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import HC_SR04, Bumper, Ultrasonic, UnknownSensor
+from giraff_core.senses import HC_SR04, Bumper, LaserScanner, Ultrasonic, UnknownSensor
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import Range
+from giraff_schemas.scan import NOT_MEASURED, OWN, RAYS, LaserScan, packed
+from giraff_schemas.trouble import Trouble
 from tests.rules.repository import ROOT
 
 POSE = "index = 0\nx = 0.25\ny = 0.0\nyaw = 0.0\n"
@@ -96,3 +101,37 @@ def test_what_a_sample_shows_is_drawn_in_the_robots_frame() -> None:
     bumper, pushed = Bumper(index=0, way="backward"), Bump(sensor="b", pressed=True, tick=None)
     assert bumper.summary(pushed).text == "pushed"
     assert bumper.evidence(pushed, 0.3).seen[0][4] == pytest.approx((-0.3, 0.0))
+
+
+def a_scan(near: dict[int, int], **fields: Any) -> LaserScan:
+    """Return a turn of a scanner that looks backward, clockwise. `near`: mm by number of the ray."""
+    rays = array("H", [near.get(ray, 3000) for ray in range(RAYS)])
+    told: dict[str, Any] = {"bearing": math.pi, "step": -math.tau / RAYS, "duration": 0.1, "since_tick": 0.0}
+    return LaserScan(sensor="laser", ranges=packed(rays), tick=None, **told, **fields)
+
+
+def test_a_scan_in_words_tells_the_nearest_in_each_quarter_and_what_is_blind() -> None:
+    scan = a_scan({112: 800, 113: OWN | 140, 114: NOT_MEASURED, 225: 1500}, blind=(3, 4))  # 90 degrees on is the left
+    assert LaserScanner.summary(scan) == (
+        "ahead 1.50 m, left 0.80 m, behind 3.00 m, right 3.00 m, 2 of 36 sectors blind",
+        0.8,
+        Trouble(),
+    )
+    assert LaserScanner.summary(a_scan(dict.fromkeys(range(RAYS), 0))) == ("clear", None, Trouble())
+    stuck = Trouble("laser: its motor is held")
+    assert LaserScanner.summary(a_scan({}, trouble=stuck)) == ("fault", None, stuck)
+
+
+def test_a_scan_is_drawn_by_lines_along_what_it_sees() -> None:
+    mount = LaserScanner(x=-0.1, y=0.0, yaw=math.pi)
+    gap = dict.fromkeys([*range(100, 130), *range(300, 330)], 0)
+    strips = mount.evidence(a_scan({**gap, 225: 1500}), 0.3).seen
+    assert [len(strip) for strip in strips] == [34, 32, 1, 24, 40]
+    assert strips[2][0] == pytest.approx((1.4, 0.0))
+    assert not mount.evidence(a_scan({}, trouble=Trouble("held")), 0.3).seen
+
+
+@pytest.mark.parametrize("own", ["[[0.5, 0.1]]", "[[nan, 1.0]]", "[[0.0, 9.0]]"])
+def test_arcs_that_the_robot_hides_have_two_ends_in_order(tmp_path: Path, own: str) -> None:
+    with pytest.raises(ConfigError, match=r"sensors.laser.*own has the arc .* give radians, the smaller one first"):
+        robot(tmp_path, f"[robot.sensors.laser]\ntype = 'ld19'\nx = 0.0\ny = 0.0\nyaw = 0.0\nown = {own}\n")
