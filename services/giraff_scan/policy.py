@@ -17,7 +17,7 @@ _FASTEST: Final = 13.0
 """Turns a second. The maker allows 5, but then a turn is older than the guard may go by before the next one comes."""
 _NEAREST: Final = 60
 """mm. What is nearer lies on the window."""
-_MEASURED: Final = 0.5
+_MEASURED: Final = 0.3
 """Share of a sector's rays that must have come in this turn. Else what is known of it is older than 0.15 s."""
 _ANSWERED: Final = 0.3
 """Share of them that must meet something, or the sector is dark."""

@@ -34,6 +34,7 @@ _MATTERS: Final = math.radians(60.0)
 """rad at the robot's middle, to either side of its way, up to which its rim meets something more than grazing it."""
 
 _FIRST: Final = Trouble("has told one turn, and needs two", "wait")
+_LEANS: Final = Trouble("this robot leans, and its scanner with it: what it sees then is not level")
 _UNMEASURED: Final = Trouble("nobody has looked for what the robot hides from it", "run giraff calibrate scan")
 
 
@@ -138,6 +139,8 @@ class LaserScannerSource(Source):
     def _doubt(self, sensor: str, way: DriveDirection) -> Trouble:
         """Return why the robot creeps this way, however free it looks."""
         mount = self._mounts[sensor]
+        if self.live.config.run_on > 0.0:
+            return _LEANS.of(sensor)
         if mount.own is None:
             return _UNMEASURED.of(sensor)
         arc = self._matters[sensor][way]

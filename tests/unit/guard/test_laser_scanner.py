@@ -9,6 +9,7 @@ import pytest
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.senses import LaserScanner
+from giraff_guard.config import GuardConfig
 from giraff_guard.senses.laser_scanner import LaserScannerSource
 from giraff_schemas.scan import NOT_MEASURED, OWN, RAYS, SECTORS, LaserScan, packed
 from giraff_schemas.trouble import Trouble
@@ -26,8 +27,8 @@ STILL: Final = Trouble("laser: its motor makes 0.0 turns a second")
 class Scanned(Senses):
     """A robot with a scanner alone, in a room whose origin is where it starts."""
 
-    def __init__(self, mount: LaserScanner = LASER, post: tuple[float, ...] = ()) -> None:
-        super().__init__(msgspec.structs.replace(ROBOT, sensors={"laser": mount}))
+    def __init__(self, mount: LaserScanner = LASER, post: tuple[float, ...] = (), config: GuardConfig = CONFIG) -> None:
+        super().__init__(msgspec.structs.replace(ROBOT, sensors={"laser": mount}), config)
         self.mount, self.pose = mount, Pose(0.0, 0.0, 0.0)
         self.room = Room("test", Start(0.0, 0.0, 0.0))
         self.room.add_wall("all round", [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)], closed=True)
@@ -178,6 +179,11 @@ def test_it_creeps_where_the_robot_hides_a_part_of_the_way_whose_parts_are_no_ob
     assert senses.allowed("forward") == CONFIG.creep_linear
     assert senses.allowed("backward") == ROBOT.max_wheel_speed
     assert senses.verdict().reason.what == "laser: the robot itself hides a part of the way forward"
+
+
+def test_a_robot_that_balances_creeps_since_its_scanner_leans() -> None:
+    senses = opened(config=msgspec.structs.replace(CONFIG, run_on=0.1))
+    assert (senses.allowed(), "leans" in senses.verdict().reason.what) == (CONFIG.creep_linear, True)
 
 
 def test_a_fault_of_the_scanner_blocks_every_way_at_once_and_two_turns_end_it() -> None:
