@@ -19,7 +19,7 @@ from giraff_node.network.discovery import name_of
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import plain
 
-Value = bool | float | str | Sequence[float]
+Value = bool | float | str | Sequence[float] | Sequence[Sequence[float]]
 
 _ERRORS: Final = (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError)
 

@@ -3,7 +3,7 @@
 import math
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple, Protocol
@@ -21,6 +21,7 @@ from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.robot_file import (
     RobotFileError,
+    Value,
     before_today,
     document,
     own_robot_file,
@@ -52,30 +53,45 @@ def calibrate_ranger(robot: str | None, connect: Sequence[str], file: Path | Non
 
     `as_json`: the talk goes to standard error.
     """
-    return print_report(lambda report: _calibrate(robot, connect, file, report), as_json=as_json)
+    return lead("calibrate ranger", NetworkStand, guide, robot, connect, file, as_json=as_json)
 
 
-def _calibrate(robot: str | None, connect: Sequence[str], file: Path | None, report: Report) -> int:
-    def act(connection: RobotConnection) -> int:
+def lead(
+    command: str,
+    stand_on: Callable[[RobotConnection], NetworkStand],
+    guide: Callable[..., int],
+    robot: str | None,
+    connect: Sequence[str],
+    file: Path | None,
+    *,
+    as_json: bool,
+) -> int:
+    """Do a calibration whose motions hold a lease; return its exit code. `file`, `as_json`: as `calibrate_ranger`.
+
+    `guide`: takes the human, the stand, the robot as filed, the file's path, and where to report.
+    """
+
+    def act(connection: RobotConnection, report: Report) -> int:
         try:
             path, filed = own_robot_file(connection.robot, file)
             human = Terminal(sys.stdin, sys.stdout)
-            stand = NetworkStand(connection)
+            stand = stand_on(connection)
             stand.place()
             introduce(human, connection.robot, path)
             return guide(human, stand, filed, path, report=report)
         except ConfigError as error:
-            return _complain(str(error), UNUSABLE)
+            return complain(command, str(error), UNUSABLE)
         except StoppedError as error:
-            return _complain(f"{error}. Nothing was written.", UNUSABLE)
-        except KeyboardInterrupt:
-            return _interrupted()
+            return complain(command, f"{error}. Nothing was written.", UNUSABLE)
 
-    with signals_interrupt():
-        try:
-            return run_with_robot(robot, connect, act, moves=True, stands_in=False)  # it writes into the file
-        except KeyboardInterrupt:  # before a robot was found
-            return _interrupted()
+    def find_and_act(report: Report) -> int:
+        with signals_interrupt():
+            try:  # it writes into the file, so that no simulation stands in
+                return run_with_robot(robot, connect, lambda it: act(it, report), moves=True, stands_in=False)
+            except KeyboardInterrupt:
+                return complain(command, "interrupted. Nothing was written.", INTERRUPTED)
+
+    return print_report(find_and_act, as_json=as_json)
 
 
 def guide(
@@ -115,7 +131,7 @@ def guide(
         return _complain(f"{error}. Nothing was written.", REFUSED)
     except NobodyError:
         return _complain("nobody answers. Nothing was written.", UNUSABLE)
-    return _write(human, tables, path, report)
+    return write(human, "calibrate ranger", tables, path, report)
 
 
 def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict[str, dict[str, float]]:
@@ -130,13 +146,13 @@ def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict
     return tables
 
 
-def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path, report: Report) -> int:
-    """Write all at once."""
+def write(human: Human, command: str, tables: Mapping[str, Mapping[str, Value]], path: Path, report: Report) -> int:
+    """Write these sensors' fields all at once, and tell it; return the exit code."""
     named = {_table(name): fields for name, fields in tables.items()}
     try:
         kept = record_all(path, named, kept_as=before_today())
     except RobotFileError as error:
-        return _complain(str(error), REFUSED)
+        return complain(command, str(error), REFUSED)
     report(document(path, named, kept))
     human.show(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
     if overriding := still_overriding(named, os.environ):
@@ -146,10 +162,6 @@ def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path, 
 
 def _table(name: str) -> str:
     return f"robot.sensors.{name}"
-
-
-def _interrupted() -> int:
-    return _complain("interrupted. Nothing was written.", INTERRUPTED)
 
 
 def changed(before: Ultrasonic, measured: Measured) -> dict[str, float]:

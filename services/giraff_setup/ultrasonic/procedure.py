@@ -1,7 +1,7 @@
 """Leads a person and the robot before a wall: distances by tape, rests on the way, a slow turn both ways."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final, NamedTuple, Protocol
 
 import msgspec
@@ -186,7 +186,7 @@ def _ask_wall(human: Human, stand: Stand, robot: RobotConfig, *, ahead: bool, ex
     where = "" if ahead else " once more, for it has turned round"
     while True:
         left, right = (
-            _distance(human, stand, f"From the wall to where the {side} wheel touches the floor{where}:")
+            ask_number(human, f"From the wall to where the {side} wheel touches the floor{where}:", stand.idle)
             for side in ("left", "right")
         )
         try:
@@ -199,9 +199,10 @@ def _ask_wall(human: Human, stand: Stand, robot: RobotConfig, *, ahead: bool, ex
         human.show(f"The middle would be {wall.distance:.3f} m from the wall, and not {low:.2f} to {high:.2f} m.")
 
 
-def _distance(human: Human, stand: Stand, question: str) -> float:
+def ask_number(human: Human, question: str, meanwhile: Callable[[], str]) -> float:
+    """Ask until a number is typed; `meanwhile`: as of `Human.ask`."""
     while True:
         try:
-            return number(human.ask(question, stand.idle))
+            return number(human.ask(question, meanwhile))
         except ValueError as error:
             human.show(f"{error}.")

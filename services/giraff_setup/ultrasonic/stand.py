@@ -33,10 +33,11 @@ _MOST_WAITING: Final = 200
 class NetworkStand:
     """As `Stand`."""
 
-    def __init__(self, connection: RobotConnection) -> None:
+    def __init__(self, connection: RobotConnection, senses: Topic[Any] = RANGE) -> None:
+        """`senses`: the topic of what is calibrated."""
         self._connection = connection
         self._hearing = Hearing()
-        for topic in (ODOM, RANGE, LEASE):
+        for topic in (ODOM, senses, LEASE):
             connection.subscribe(topic)
 
     def place(self) -> Pose:
