@@ -129,3 +129,19 @@ def ranger(file: WrittenFile = None, robot: Robot = None, connect: Connect = Non
     from giraff_setup.ultrasonic.calibrate import calibrate_ranger  # noqa: PLC0415
 
     raise typer.Exit(calibrate_ranger(robot, connect or (), file, as_json=as_json))
+
+
+@calibrate.command()
+def scan(file: WrittenFile = None, robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
+    """Measure a laser scanner: place, direction, which way up it hangs, and what the robot's own parts hide from it.
+
+    The robot turns once round on the spot and drives 1 m straight on, in any furnished room; a wall with a book before
+    it checks this, if you like. Of the robot file only the scanner's table changes, when you have said yes; a copy
+    stays beside it.
+
+    Exit code: 0 done; 1 refused, nothing written; 2 not begun.
+    """
+    require_extra("calibrate scan", "numpy", "analysis,cli")
+    from giraff_setup.scan.calibrate import calibrate_scan  # noqa: PLC0415
+
+    raise typer.Exit(calibrate_scan(robot, connect or (), file, as_json=as_json))

@@ -93,6 +93,7 @@ ROBOTLESS: Mapping[str, str] = {
     "calibrate camera": "unit/setup/test_camera.py: likewise",
     "calibrate joystick": "unit/setup/test_joystick.py: likewise",
     "calibrate ranger": "unit/setup/test_ranger.py: likewise",
+    "calibrate scan": "unit/setup/test_scan.py: likewise",
     "commission": "unit/cli/test_commission.py: it asks a file",
     "camera board": "unit/setup/test_camera.py: it asks nobody",
     "encoder disk": "unit/cli/test_encoder_disk.py: it asks nobody",

@@ -28,7 +28,7 @@ WORDS: dict[str, tuple[str, ...]] = {
 """What a command must be given besides its name."""
 WITH_SESSION = {
     *("topic pub", "play", "run", "tune speed"),
-    *("calibrate camera", "calibrate odometry", "calibrate ranger"),
+    *("calibrate camera", "calibrate odometry", "calibrate ranger", "calibrate scan"),
 }
 """Those of ROBOTLESS that open one."""
 GOES_ON = "doctor"

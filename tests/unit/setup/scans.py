@@ -1,0 +1,184 @@
+"""A robot with a laser scanner in drawn rooms: noise, a bias of the ranges, lost rays, points between two surfaces."""
+
+import math
+from array import array
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from giraff_core.kinematics.pose import Pose
+from giraff_core.motion.result import MotionResult
+from giraff_core.senses import LaserScanner
+from giraff_schemas.motion import Move, Step, Turn
+from giraff_schemas.scan import NO_ECHO, RAYS, LaserScan, packed
+from giraff_schemas.trouble import NO_TROUBLE
+from giraff_setup.ultrasonic.fit import Echo
+from giraff_setup.ultrasonic.procedure import StoppedError
+
+_REACH: Final = 12.0
+_WANDER: Final = 0.003
+"""m by which the robot's origin is off at each rest."""
+_BEND: Final = math.radians(1.0)
+"""rad that a straight drive bends in a metre."""
+_TAPE: Final = 0.003
+_ASKEW: Final = math.radians(0.5)
+Segments = list[tuple[float, float, float, float]]
+
+
+def box(left: float, low: float, right: float, high: float) -> Segments:
+    return [(left, low, right, low), (right, low, right, high), (right, high, left, high), (left, high, left, low)]
+
+
+ROOMS: Final[list[Segments]] = [
+    [
+        *box(-2.2, -1.9, 3.1, 2.4),
+        *box(-2.2, 0.9, -1.2, 2.4),
+        *box(1.0, 1.9, 2.4, 2.4),
+        *box(-0.6, -1.9, 0.7, -1.3),
+        *box(2.5, -1.9, 3.1, -0.6),
+    ],
+    [
+        *box(-3.0, -1.4, 2.3, 3.2),
+        *box(-3.0, -1.4, -2.1, 0.4),
+        *box(0.4, -1.4, 1.2, -1.0),
+        *box(1.5, 1.1, 1.9, 1.5),
+        *box(-1.4, 2.5, 0.6, 3.2),
+        (-3.0, 3.2, -2.2, 2.0),
+    ],
+]
+"""Round the origin, free along the x axis."""
+LONG: Final = [
+    *box(-3.2, -2.0, 3.4, 2.6),
+    *box(-1.0, -2.0, 0.2, -1.2),
+    *box(0.5, 1.6, 1.7, 2.6),
+    *box(2.9, -2.0, 3.4, -0.9),
+]
+"""Free behind the origin, too."""
+DARK: Final = box(-40.0, -40.0, 40.0, 40.0)
+NARROW: Final = box(-0.6, -0.6, 1.2, 0.6)
+
+
+def posts(*bearings: float) -> Segments:
+    """Return posts of 40 mm on the robot, 0.14 m from the scanner, in its frame."""
+    return [
+        (0.14 * math.cos(b) + dx, 0.14 * math.sin(b) + dy, 0.14 * math.cos(b) + ex, 0.14 * math.sin(b) + ey)
+        for b in bearings
+        for dx, dy, ex, ey in box(-0.02, -0.02, 0.02, 0.02)
+    ]
+
+
+def step_in_a_wall(distance: float, book: float) -> Segments:
+    """Return a wall at x = `distance`, which a book covers to the left of the x axis."""
+    near = distance - book
+    return [
+        (distance, -3.0, distance, 0.0),
+        (distance, 0.0, near, 0.0),
+        (near, 0.0, near, 0.3),
+        (near, 0.3, distance, 0.3),
+        (distance, 0.3, distance, 3.0),
+    ]
+
+
+class DrawnScanned:
+    """As `ScannedRobot`: turns of a drawn scanner at the poses of the procedure, without simulated time."""
+
+    def __init__(self, filed: LaserScanner, seed: int, mount: Pose, bias: float = 0.0) -> None:
+        self.chance = np.random.default_rng([seed, 5])
+        self.mount, self.bias = mount, bias
+        self.room, self.posts = ROOMS[seed % 2], Segments()
+        self.is_mirrored = self.is_driven = self.is_stuck = self.holds_lease = False
+        self.trouble = NO_TROUBLE
+        self.name, self.silent_after = "laser", math.inf
+        self.performed: list[Step] = []
+        self.wall = 0.9, 0.04
+        self._filed, self._first = filed, float(self.chance.uniform(0.0, math.tau))
+        self._true, self._odometry = Pose(0.0, 0.0, 0.0), Pose(3.0, -2.0, 1.0)
+        self._scale, self._bend = 1.0 + self.chance.uniform(-0.02, 0.02), self.chance.choice([-_BEND, _BEND])
+        self._is_behind = False
+
+    def place(self) -> Pose:
+        return self._odometry
+
+    def idle(self) -> str:
+        return ""
+
+    def listen(self, sensors: Sequence[str], pings: int) -> list[Echo]:
+        del sensors, pings
+        return []
+
+    def taped(self, side: str) -> float:
+        del side
+        return self.wall[0]
+
+    def wait_released(self) -> None:
+        if self.holds_lease:
+            raise StoppedError("giraff_motion still holds the lease")
+
+    def perform(self, steps: Sequence[Step]) -> tuple[MotionResult, list[Echo]]:
+        for step in steps:
+            self.performed.append(step)
+            if isinstance(step, Turn):
+                self._is_behind = step.angle == math.pi
+                turned = step.angle * (1.0 + self.chance.normal(0.0, 0.02))
+                self._true, self._odometry = (
+                    self._true.moved(0.0, turned),
+                    self._odometry.moved(0.0, turned * self._scale),
+                )
+            elif isinstance(step, Move):
+                self._true = self._true.moved(step.distance, self._bend * step.distance)
+                self._odometry = self._odometry.moved(step.distance * self._scale, 0.0)
+        return MotionResult(outcome="arrived", begun=True), []
+
+    def scan(self, turns: int) -> list[LaserScan]:
+        """Several turns are asked for before the wall alone."""
+        if self.is_driven:
+            self._odometry = self._odometry.moved(0.02, 0.0)
+        if len(self.performed) >= self.silent_after:
+            return []
+        normal = self.chance.normal
+        room, true = self.room, self._true._replace(x=normal(self._true.x, _WANDER), y=normal(self._true.y, _WANDER))
+        if self.is_stuck:
+            true = Pose(0.0, 0.0, 0.0)
+        elif turns > 1:
+            askew = normal(math.pi * self._is_behind, _ASKEW)
+            room, true = step_in_a_wall(*self.wall), Pose(normal(0.0, _TAPE), normal(0.0, _TAPE), askew)
+        return [self._told(*self.turn(room, true)) for _ in range(turns)]
+
+    def turn(self, room: Segments, robot: Pose) -> tuple[Any, Any]:
+        """Return angles (rad, clockwise, in the scanner's frame) and ranges (m; 0: no echo) of one turn."""
+        at, chance = Pose(*self.mount).placed_in(robot), self.chance
+        self._first -= float(chance.uniform(0.0, 0.1))
+        angles = self._first - np.arange(RAYS) * math.tau / RAYS
+        true = _cast(room, at.x, at.y, angles + at.yaw + chance.normal(0.0, 0.0015, RAYS))
+        if self.posts:
+            true = np.minimum(true, _cast(self.posts, 0.0, 0.0, angles))
+        seen, after = true + self.bias + chance.normal(0.0, 0.01, RAYS), np.roll(true, -1)
+        mixed = (np.abs(after - true) > 0.3) & (chance.random(RAYS) < 0.3)
+        seen = np.where(mixed, true + chance.random(RAYS) * (after - true), seen)
+        lost = (true > _REACH) | (seen > _REACH) | (seen < 0.02) | (chance.random(RAYS) < 0.005)
+        return angles, np.where(lost, NO_ECHO, seen)
+
+    def _told(self, angles: Any, ranges: Any) -> LaserScan:
+        """Return what giraff_scan says of it, which goes by the file."""
+        sense = -1.0 if self.is_mirrored else 1.0
+        return LaserScan(
+            sensor=self.name,
+            ranges=packed(array("H", np.round(ranges * 1000.0).astype(int).tolist())),
+            bearing=self._filed.yaw + sense * float(angles[0]),
+            step=-sense * math.tau / RAYS,
+            duration=0.1,
+            since_tick=0.01,
+            trouble=self.trouble,
+            tick=None,
+        )
+
+
+def _cast(segments: Segments, x: float, y: float, angles: Any) -> Any:
+    x0, y0, x1, y1 = np.array(segments).T
+    ray_x, ray_y = np.cos(angles)[:, None], np.sin(angles)[:, None]
+    to_x, to_y, side_x, side_y = x0 - x, y0 - y, x1 - x0, y1 - y0
+    cross = ray_x * side_y - ray_y * side_x
+    cross = np.where(np.abs(cross) < 1e-12, 1e-12, cross)
+    far, part = (to_x * side_y - to_y * side_x) / cross, (to_x * ray_y - to_y * ray_x) / cross
+    return np.where((part >= 0.0) & (part <= 1.0) & (far > 0.0), far, 99.0).min(axis=1)
