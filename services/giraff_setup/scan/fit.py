@@ -107,7 +107,8 @@ def own_parts(turns: Sequence[ScanTurn]) -> list[tuple[float, float]]:
     with np.errstate(invalid="ignore"):
         same = np.abs(ranges - np.median(ranges, axis=0)) < _OWN_ALIKE
     own = same.mean(axis=0) >= _OWN_SHARE
-    own |= np.roll(own, 1) | np.roll(own, -1)
+    for others in (np.isfinite(ranges).mean(axis=0) > 1.0 - _OWN_SHARE, True):  # a ray at an edge meets it now and then
+        own |= (np.roll(own, 1) | np.roll(own, -1)) & others
     begins, ends = (np.flatnonzero(own & ~np.roll(own, side)) for side in (1, -1))
     if len(begins) and ends[0] < begins[0]:
         ends = np.roll(ends, -1)

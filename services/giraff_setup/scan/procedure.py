@@ -128,7 +128,10 @@ def check(human: Human, stand: ScannedRobot, filed: LaserScanner, found: Surveye
             if any((back - begin) % math.tau < end - begin + 2.0 * _BACK for begin, end in found.own):
                 human.show("The robot's own parts hide what is behind it, so that its back is not turned to the wall.")
             elif agrees(human, _ROUND, stand.idle):
-                stand.perform([Turn(angle=math.pi)])
+                try:
+                    stand.perform([Turn(angle=math.pi)])
+                except StoppedError as error:
+                    human.show(f"It did not turn round: {error}. Turn it yourself.")
                 human.show("Park it square again, its back to the wall, the edge of the book on its middle line.")
                 behind = _before_wall(human, stand, filed, found, is_behind=True)
                 return _mean(facing, behind), (behind.x - facing.x) / 2.0

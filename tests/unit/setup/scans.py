@@ -87,7 +87,7 @@ class DrawnScanned:
         self.chance = np.random.default_rng([seed, 5])
         self.mount, self.bias = mount, bias
         self.room, self.posts = ROOMS[seed % 2], Segments()
-        self.is_mirrored = self.is_driven = self.is_stuck = self.holds_lease = False
+        self.is_mirrored = self.is_driven = self.is_stuck = self.is_blocked = self.holds_lease = False
         self.trouble = NO_TROUBLE
         self.name, self.silent_after = "laser", math.inf
         self.performed: list[Step] = []
@@ -120,6 +120,8 @@ class DrawnScanned:
             self.performed.append(step)
             if isinstance(step, Turn):
                 self._is_behind = step.angle == math.pi
+                if self._is_behind and self.is_blocked:  # the person then turns it
+                    raise StoppedError("something is beside it")
                 turned = step.angle * (1.0 + self.chance.normal(0.0, 0.02))
                 self._true, self._odometry = (
                     self._true.moved(0.0, turned),
