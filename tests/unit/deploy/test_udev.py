@@ -43,7 +43,7 @@ def test_what_is_no_port_or_goes_away_is_left_alone() -> None:
 def test_each_example_is_a_rule_that_gives_one_of_the_names() -> None:
     assert len(EXAMPLES) >= 3
     named = {term.value for line in EXAMPLES for term in parse(line) if term.key == "SYMLINK"}
-    assert named == {port(service) for service in ("base", "joystick", "ranger")}
+    assert named == {port(service) for service in ("base", "joystick", "ranger", "scan")}
 
 
 def test_an_example_that_is_made_a_rule_works() -> None:
