@@ -149,7 +149,7 @@ def _unheard(service: str, theirs: dict[str, HeardSensor], chain: ChainState) ->
     if chain.guard is None:
         return Link(name=service, status="waits", text="the guard, which knows the sensors, is not heard")
     if not theirs:
-        return link_from(service, "ok", chain.guard, "the robot file has no sensor")
+        return link_from(service, "ok", chain.guard, "the robot file has no sensor that it reads")
     if service in chain.observation.alive:
         return chain.silent(service, service)
     how = f"start it on the machine that the {service} board is plugged into"

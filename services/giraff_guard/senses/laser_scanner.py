@@ -34,7 +34,7 @@ _MATTERS: Final = math.radians(60.0)
 """rad at the robot's middle, to either side of its way, up to which its rim meets something more than grazing it."""
 
 _FIRST: Final = Trouble("has told one turn, and needs two", "wait")
-_LEANS: Final = Trouble("this robot leans, and its scanner with it: what it sees then is not level")
+_LEANS: Final = Trouble("this robot leans, so that it looks at the floor or over what stands there")
 _UNMEASURED: Final = Trouble("nobody has looked for what the robot hides from it", "run giraff calibrate scan")
 
 
