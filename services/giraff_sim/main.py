@@ -9,6 +9,7 @@ import select
 import signal
 import sys
 import time
+from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +24,8 @@ from giraff_sim.bodies.registry import read_drive, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer
+from giraff_sim.devices import DevicePort, devices_of
+from giraff_sim.hosts.cable import Device
 from giraff_sim.ptys import SerialPort
 from giraff_sim.simulation import Simulation, WallPacer, simulation
 from giraff_sim.truth import Level, draw_truth
@@ -132,7 +135,8 @@ class Eeprom:
 class Process:
     """The loop: a slice, the cables, the control socket, a wait."""
 
-    def __init__(self, options: Options, running: Simulation, stack: ExitStack) -> None:
+    def __init__(self, options: Options, running: Simulation, stack: ExitStack, devices: Mapping[str, Device]) -> None:
+        """`devices`: those that are no boards, by the names of their ports."""
         self._parent_pid = options.parent_pid
         self._simulation = running
         self._pacer = WallPacer()
@@ -142,6 +146,9 @@ class Process:
         for port in self._ports.values():
             stack.callback(port.unplug)
             port.plug()
+        self._device_ports = [DevicePort(device, options.ports / name) for name, device in devices.items()]
+        for device_port in self._device_ports:
+            stack.callback(device_port.close)
         self._eeproms = [Eeprom(board, options.ports) for board in running.boards.values()]
 
         def hand(name: str, begin: float) -> Hand:
@@ -166,6 +173,8 @@ class Process:
             for port in self._ports.values():
                 port.to_host(self._simulation)
                 port.to_board(self._simulation)
+            for device_port in self._device_ports:
+                device_port.carry(self._simulation.now_us)
             self._serve()
             slices += 1
             if slices % _CHORES_EVERY == 0:
@@ -210,10 +219,12 @@ def main(arguments: list[str] | None = None) -> int:
             world = world_of(room, robot, drive, sim, hand, options.seed, truth=truth)
             running = stack.enter_context(simulation(world, options.only, options.boards))
             options.ports.mkdir(parents=True, exist_ok=True)
-            process = Process(options, running, stack)
+            devices = devices_of(robot, world)
+            process = Process(options, running, stack, devices)
             for number in (signal.SIGTERM, signal.SIGINT):
                 signal.signal(number, lambda _number, _frame: process.stop())
-            ports = {kind.name.lower(): str(options.ports / kind.name.lower()) for kind in options.only}
+            names = [*(kind.name.lower() for kind in options.only), *devices]
+            ports = {name: str(options.ports / name) for name in names}
             print(json.dumps({"ready": True, "control": str(options.control), "ports": ports}), flush=True)
             gc.collect()
             gc.freeze()  # what lives as long as the process need not be looked through every time

@@ -77,10 +77,10 @@ class Command:
         [pid] = [pid for pid, line in self.pids().items() if f"-m {module} " in line]
         return pid
 
-    def wait_until_it_drives(self, process: subprocess.Popen[str]) -> None:
-        """Read its lines up to one that says so."""
+    def wait_until_it_drives(self, process: subprocess.Popen[str], more: int = 0) -> None:
+        """Read its lines up to one that says so. `more`: processes beside those of every run."""
         line_of(process, "base driving")
-        assert len(self.pids()) == PROCESSES
+        assert len(self.pids()) == PROCESSES + more
 
     def summary(self) -> dict[str, Any]:
         """Of a run that was started with `--summary summary.json`."""

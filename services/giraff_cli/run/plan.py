@@ -16,6 +16,7 @@ from giraff_camera.config import CameraConfig, camera_of
 from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import PUBLISHERS
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
@@ -123,6 +124,7 @@ def make_plan(options: Options) -> Plan:
         if (path := getattr(options, name)) is not None:
             _require_writable(f"--{name}", path)
     boards, why = choose_boards(options.boards, drive.board_type, BUILD)
+    sensing = [PUBLISHERS[kind] for sense in robot.sensors.values() if (kind := sense.type_name()) in PUBLISHERS]
     asked = [service.name for service in SERVICES if service.option and getattr(options, service.option)]
     return Plan(
         options=options,
@@ -133,7 +135,7 @@ def make_plan(options: Options) -> Plan:
         hand=held_by,
         boards=boards,
         why_boards=why,
-        services=(*SIMULATED, *asked),
+        services=tuple(dict.fromkeys((*SIMULATED, *sensing, *asked))),
         camera=camera,
     )
 

@@ -18,7 +18,7 @@ from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import DOOR, SERVICES, WEB
+from giraff_schemas.services import DOOR, WEB
 from giraff_schemas.text import plain
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
@@ -28,7 +28,6 @@ from giraff_tools.terminal.signals import StopSignal
 SIMULATOR: Final = "simulator"
 _CAMERA: Final = "simulated-camera"
 
-_BOARDS: Final = tuple(service.name for service in SERVICES if service.simulated and service.board is not None)
 _PUSH: Final = 5.0  # N s
 _READY_WITHIN: Final = 20.0  # s
 _ASK_AGAIN: Final = 0.02  # s
@@ -104,7 +103,7 @@ class SimulatedRobot:
         return True
 
     def _start_services(self, ports: dict[str, str]) -> None:
-        self._environment |= {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
+        self._environment |= {f"GIRAFF_{name.upper()}_PORT": port for name, port in ports.items()}
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
         if self.page is not None:
             write_room(read_room(self._plan.world), self._directory / ROOM_FILE)

@@ -27,6 +27,7 @@ BACK_AND_FORTH = "t,x,y,z\n0,0,0,9.81\n" + "".join(
     for at, tilt in zip(range(0, 480, 4), (5, -5) * 60, strict=True)
 )
 """A hand that is level again and again: what has been stopped goes on."""
+LASER = '{ type = "ld19", x = 0.05, y = 0.0, yaw = 0.4, own = [] }'
 
 
 @pytest.fixture
@@ -36,9 +37,10 @@ def command(tmp_path: Path) -> Iterator[Command]:
 
 
 def test_it_drives_around_the_room_and_sums_up_when_told_to_end(command: Command) -> None:
+    command.environment["GIRAFF_ROBOT_SENSORS__LASER"] = LASER
     with command.start("--truth", "exact", "--summary", "summary.json") as process:
         for _ in range(2):
-            command.wait_until_it_drives(process)
+            command.wait_until_it_drives(process, more=1)
         process.send_signal(signal.SIGTERM)
         out, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, err) == (0, "")
@@ -53,6 +55,7 @@ def test_it_drives_around_the_room_and_sums_up_when_told_to_end(command: Command
     assert told["odom_sigma_m"] > 0.0
     assert f"distance  {told['distance_m']:.2f} m" in out
     assert "odometry off by" in out
+    assert told["rates_hz"]["scan/laser"] > 8.0
 
 
 def test_who_starts_it_drives_in_the_same_terminal(command: Command) -> None:

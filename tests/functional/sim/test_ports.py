@@ -14,9 +14,11 @@ import pytest
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import BoardKind, HelloFrame, HelloRequestFrame, RangeFrame
 from giraff_sim.board import Implementation
+from giraff_sim.devices import DevicePort
 from giraff_sim.ptys import SerialPort
 from giraff_sim.simulation import Simulation, simulation
 from tests.sim.robots import room_with_wall, world_in
+from tests.support.serial_device import BYTE_US, CountingDevice
 from tests.support.waiting import wait
 
 
@@ -163,3 +165,18 @@ def test_a_stale_path_is_replaced(tmp_path: Path) -> None:
     port.plug()
     assert path.resolve().is_char_device()
     port.unplug()
+
+
+def test_a_device_that_is_no_board_has_a_port_of_its_own(tmp_path: Path) -> None:
+    device = CountingDevice()
+    port = DevicePort(device, tmp_path / "scan")
+    host = opened(port.path)
+    port.carry(10 * BYTE_US)
+    assert arrived(host) == CountingDevice().bytes_until(10 * BYTE_US)
+    os.write(host, b"hello")
+    while not device.received:
+        port.carry(10 * BYTE_US)
+    assert device.received == b"hello"
+    os.close(host)
+    port.close()
+    assert not port.path.is_symlink()
