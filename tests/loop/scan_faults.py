@@ -62,8 +62,8 @@ class Reaction(NamedTuple):
     """s from the fault until the wheels are told to stop, or to creep; infinite: they were not."""
 
 
-def react(name: str, seed: int) -> Reaction:
-    """Drive at full tilt in a bare room, until the fault and `BOUND` beyond."""
+def react(name: str, seed: int, after: float) -> Reaction:
+    """Drive at full tilt in a bare room for `after` s or a little longer, until the fault, and `BOUND` beyond."""
     choose = random.Random(f"{seed}/fault")
     room = Room("room", Pose(-1.5, 0.3, choose.uniform(-0.3, 0.3)))
     room.add_wall("walls", [(3.0, 2.0), (-3.0, 2.0), (-3.0, -2.0), (3.0, -2.0)], closed=True)
@@ -71,7 +71,7 @@ def react(name: str, seed: int) -> Reaction:
     with scanned(room, seed, sim=SimConfig(), truth=drawn(seed)) as robot:
         loop = robot.loop
         hold(loop, FULL_TILT)
-        loop.run(choose.uniform(0.3, 0.4))
+        loop.run(after + choose.uniform(0.0, 0.1) - _STEADY_S)
         steady, blind, end_us = 1.0, 0, loop.simulation.now_us + round(_STEADY_S * 1e6)
         while loop.simulation.now_us < end_us:
             loop.step()
