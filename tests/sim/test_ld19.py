@@ -7,7 +7,7 @@ from typing import Final
 import pytest
 
 from giraff_core.senses import LaserScanner
-from giraff_scan.ld19 import POINTS, SIZE, Packet, packet_of
+from giraff_scan.ld19 import POINTS, SIZE, Packet, packet_length, packet_of
 from giraff_sim.world.ld19 import DELAY_US, PACKET_US, Ld19, Ld19Fault, Post
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.world import World
@@ -40,7 +40,8 @@ def told(world: World, laser: Ld19, seconds: float, since_us: int = 0) -> list[P
         world.plant.pose = at(now_us)
         data += laser.bytes_until(now_us)
     assert len(data) % SIZE == 0
-    return [packet_of(data[first : first + SIZE]) for first in range(0, len(data), SIZE)]
+    said = [data[first : first + SIZE] for first in range(0, len(data), SIZE)]
+    return [packet_of(each) if packet_length(bytearray(each)) == SIZE else None for each in said]
 
 
 @pytest.mark.parametrize("upside_down", [False, True])
