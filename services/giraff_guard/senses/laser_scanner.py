@@ -50,7 +50,7 @@ class _Scanner(msgspec.Struct):
     points: list[Point] = msgspec.field(default_factory=list)
     place: Pose = Pose(0.0, 0.0, 0.0)
     """Place of the robot at the end of the newest turn."""
-    blind: set[DriveDirection] = msgspec.field(default_factory=set)
+    blind: list[DriveDirection] = msgspec.field(default_factory=list)
     """Ways of which a part was not seen in the newest turn."""
 
 
@@ -93,8 +93,8 @@ class LaserScannerSource(Source):
         ended_ns = begun_ns + round(sample.duration * 1e9)
         scanner.place = motion.place_at(ended_ns)
         blind = [_middle(sample, sector) for sector in sample.blind]
-        arcs = self._matters[name].items()
-        scanner.blind = {way for way, arc in arcs if any(_within(bearing, arc) for bearing in blind)}
+        arcs = self._matters[name]
+        scanner.blind = [way for way in arcs if any(_within(bearing, arcs[way]) for bearing in blind)]
         self._forget(scanner, self._mounts[name], sample, ended_ns)
         scanner.points = [(x, y) for _, _, x, y in scanner.cells.values()]
         return ()
