@@ -19,7 +19,9 @@ _LATE_OPERATOR: Final = Trouble("the operator's commands come late", "check its 
 _NO_GUARD: Final = Trouble("the guard is not heard", "start giraff_guard on this machine")
 _CLOCK_WENT_BACK: Final = Trouble("the robot's clock went back", "restart giraff_base")
 _NO_COMMAND: Final = Trouble("no fresh command of an operator", "check its link")
-_OLD_RANGE: Final = Trouble("a range that this motion relies on is too old", "check what reads the sensors, as giraff_ranger does")
+_OLD_RANGE: Final = Trouble(
+    "a range that this motion relies on is too old", "check what reads the sensors, as giraff_ranger does"
+)
 _OPERATORS_FAULT: Final = Trouble("the operator's side reports a fault")
 _NO_HOLDER: Final = Trouble("nobody holds the lease", action="ask")
 

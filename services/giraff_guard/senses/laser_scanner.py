@@ -38,6 +38,10 @@ _LEANS: Final = Trouble("this robot leans, so that it looks at the floor or over
 _UNMEASURED: Final = Trouble("nobody has looked for what the robot hides from it", "run giraff calibrate scan")
 
 
+Arc = tuple[float, float]
+"""rad in `base_link`, counter-clockwise from the first to the second."""
+
+
 class _Scanner(msgspec.Struct):
     """The last turns of one scanner."""
 
@@ -64,7 +68,7 @@ class LaserScannerSource(Source):
         self._mounts = robot.of(LaserScanner)
         self._robot = robot
         self._limits = Limits(live, robot)
-        self._matters = {
+        self._matters: dict[str, dict[DriveDirection, Arc]] = {
             name: {way: _matters(mount, sign * robot.footprint_radius) for way, sign in SIGN.items()}
             for name, mount in self._mounts.items()
         }
@@ -200,10 +204,6 @@ class LaserScannerSource(Source):
             ray = round((bearing - sample.bearing) / sample.step) % RAYS
             if ray * SECTORS // RAYS not in blind or seen_ns < oldest_blind_ns:
                 del scanner.cells[cell]
-
-
-Arc = tuple[float, float]
-"""rad in `base_link`, counter-clockwise from the first to the second."""
 
 
 def _matters(mount: LaserScanner, ahead: float) -> Arc:
