@@ -24,8 +24,8 @@ from giraff_sim.bodies.registry import read_drive, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer
-from giraff_sim.devices import DevicePort, devices_of
-from giraff_sim.hosts.cable import Device
+from giraff_sim.devices import devices_of
+from giraff_sim.hosts.cable import BoardUart, Device
 from giraff_sim.ptys import SerialPort
 from giraff_sim.simulation import Simulation, WallPacer, simulation
 from giraff_sim.truth import Level, draw_truth
@@ -142,19 +142,20 @@ class Process:
         self._pacer = WallPacer()
         self._slips_told = 0
         self._stopping = False
-        self._ports = {kind: SerialPort(kind, options.ports) for kind in running.boards}
-        for port in self._ports.values():
+        boards = {
+            kind: SerialPort(BoardUart(kind, running), options.ports / kind.name.lower()) for kind in running.boards
+        }
+        others = (SerialPort(device, options.ports / name) for name, device in devices.items())
+        self._ports = [*boards.values(), *others]
+        for port in self._ports:
             stack.callback(port.unplug)
             port.plug()
-        self._device_ports = [DevicePort(device, options.ports / name) for name, device in devices.items()]
-        for device_port in self._device_ports:
-            stack.callback(device_port.close)
         self._eeproms = [Eeprom(board, options.ports) for board in running.boards.values()]
 
         def hand(name: str, begin: float) -> Hand:
             return make_hand(name, running.world.room, options.seed, begin)
 
-        control = Control(running, self._ports, self._pacer, hand)
+        control = Control(running, boards, self._pacer, hand)
         self._server = ControlServer(options.control, control.answer)
         stack.callback(self._server.close)
         self._readable = select.epoll()
@@ -170,11 +171,8 @@ class Process:
         slices = 0
         while not self._stopping:
             self._simulation.step()
-            for port in self._ports.values():
-                port.to_host(self._simulation)
-                port.to_board(self._simulation)
-            for device_port in self._device_ports:
-                device_port.carry(self._simulation.now_us)
+            for port in self._ports:
+                port.carry(self._simulation.now_us)
             self._serve()
             slices += 1
             if slices % _CHORES_EVERY == 0:

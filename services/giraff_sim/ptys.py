@@ -1,26 +1,28 @@
-"""A serial port for each board: a pseudo terminal behind a path that outlives it."""
+"""A serial port for each device: a pseudo terminal behind a path that outlives it."""
 
 import os
 import tty
 from contextlib import suppress
 from pathlib import Path
+from typing import Final
 
-from giraff_schemas.wire import BoardKind
-from giraff_sim.simulation import Simulation
+from giraff_sim.hosts.cable import Device
+
+_ADAPTER_BYTES: Final = 256  # on their way to the device
 
 
 class SerialPort:
-    """The cable between a board and whoever opens `path`.
+    """The cable between a device and whoever opens `path`.
 
     The simulator keeps the terminal's other end open and raw, so that a reader may come and go. Unplugged,
     the path is gone and a reader sees an error, as of a USB adapter that was pulled out.
     """
 
-    def __init__(self, kind: BoardKind, directory: Path) -> None:
-        self.kind = kind
-        self.path = directory / kind.name.lower()
+    def __init__(self, device: Device, path: Path) -> None:
+        self.path = path
         self.lost = 0
-        """Bytes of the board that nobody took in time, or that no cable carried."""
+        """Bytes of the device that nobody took in time, or that no cable carried."""
+        self._device = device
         self._ours: int | None = None
         self._theirs: int | None = None
         self._pending = b""
@@ -57,24 +59,16 @@ class SerialPort:
         self._ours = self._theirs = None
         self._pending = b""
 
-    def to_host(self, simulation: Simulation) -> None:
-        """Pass on what the board has sent. What does not fit is lost, as on a wire."""
-        data = simulation.read(self.kind)
-        if not data:
-            return
+    def carry(self, now_us: int) -> None:
+        """Pass bytes on, both ways. What the host does not take is lost; what the device does not take waits."""
+        data = self._device.bytes_until(now_us)
         written = 0
         if self._ours is not None:
             with suppress(BlockingIOError):
-                written = os.write(self._ours, data)
+                written = os.write(self._ours, data) if data else 0
+            if room := _ADAPTER_BYTES - len(self._pending):
+                with suppress(BlockingIOError):
+                    self._pending += os.read(self._ours, room)
+            if self._pending:
+                self._pending = self._pending[self._device.receive(self._pending) :]
         self.lost += len(data) - written
-
-    def to_board(self, simulation: Simulation) -> None:
-        """Pass on what the host has sent, as far as the adapter has room; the kernel keeps the rest."""
-        if self._ours is None:
-            return
-        room = simulation.room_for(self.kind) - len(self._pending)
-        if room > 0:
-            with suppress(BlockingIOError):
-                self._pending += os.read(self._ours, room)
-        if self._pending:
-            self._pending = self._pending[simulation.write(self.kind, self._pending) :]

@@ -82,10 +82,6 @@ class Simulation:
         """Send bytes to a board; how many its adapter has taken. Offer the rest again."""
         return self.boards[kind].write(data)
 
-    def room_for(self, kind: BoardKind) -> int:
-        """How many bytes `write` would take now."""
-        return int(self.boards[kind].model.rx_free)
-
     def reset(self, kind: BoardKind, cause: ResetCause) -> None:
         """Reset a board's processor."""
         self.boards[kind].reset(cause)

@@ -208,13 +208,13 @@ class Control:
         self._simulation.world.body.push(request.impulse, request.height)
 
     def _unplug(self, request: messages.Unplug) -> None:
-        self._port(request.board).unplug()
+        self._ports[self._board(request.board)].unplug()
 
     def _plug(self, request: messages.Plug) -> None:
-        self._port(request.board).plug()
+        self._ports[self._board(request.board)].plug()
 
     def _reset(self, request: messages.Reset) -> None:
-        self._simulation.reset(self._port(request.board).kind, ResetCause[request.cause.upper()])
+        self._simulation.reset(self._board(request.board), ResetCause[request.cause.upper()])
 
     @property
     def _wheels(self) -> WheelsBody:
@@ -229,11 +229,11 @@ class Control:
             raise ValueError("there is no base board here")
         return self._wheels
 
-    def _port(self, name: str) -> SerialPort:
-        port = self._ports.get(BoardKind[name.upper()])
-        if port is None:
+    def _board(self, name: str) -> BoardKind:
+        kind = BoardKind[name.upper()]
+        if kind not in self._ports:
             raise ValueError(f"there is no {name} board here")
-        return port
+        return kind
 
 
 def _base_says(frame: BoardReport | None) -> messages.BaseSays | None:

@@ -14,7 +14,7 @@ import pytest
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import BoardKind, HelloFrame, HelloRequestFrame, RangeFrame
 from giraff_sim.board import Implementation
-from giraff_sim.devices import DevicePort
+from giraff_sim.hosts.cable import BoardUart
 from giraff_sim.ptys import SerialPort
 from giraff_sim.simulation import Simulation, simulation
 from tests.sim.robots import room_with_wall, world_in
@@ -30,9 +30,9 @@ def ranger(implementation: Implementation) -> Iterator[Simulation]:
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Iterator[SerialPort]:
+def port(ranger: Simulation, tmp_path: Path) -> Iterator[SerialPort]:
     """Its port, plugged in."""
-    port = SerialPort(BoardKind.RANGER, tmp_path / "ports")
+    port = SerialPort(BoardUart(BoardKind.RANGER, ranger), tmp_path / "ports" / "ranger")
     port.plug()
     yield port
     port.unplug()
@@ -42,8 +42,7 @@ def carry(simulation: Simulation, port: SerialPort, seconds: float, *, pause: fl
     """Run, with a pause (s of the wall's time) in each millisecond for the kernel to move bytes on."""
     for _ in range(round(seconds * 1000)):
         simulation.step()
-        port.to_host(simulation)
-        port.to_board(simulation)
+        port.carry(simulation.now_us)
         if pause:
             time.sleep(pause)
 
@@ -158,19 +157,13 @@ def test_bytes_that_pile_up_wait_in_the_kernel_and_pass(ranger: Simulation, port
     os.close(host)
 
 
-def test_a_stale_path_is_replaced(tmp_path: Path) -> None:
-    path = tmp_path / "ranger"
+def test_a_stale_path_is_replaced_by_the_port_of_any_device(tmp_path: Path) -> None:
+    path, device = tmp_path / "scan", CountingDevice()
     path.symlink_to("/nowhere")
-    port = SerialPort(BoardKind.RANGER, tmp_path)
+    port = SerialPort(device, path)
     port.plug()
     assert path.resolve().is_char_device()
-    port.unplug()
-
-
-def test_a_device_that_is_no_board_has_a_port_of_its_own(tmp_path: Path) -> None:
-    device = CountingDevice()
-    port = DevicePort(device, tmp_path / "scan")
-    host = opened(port.path)
+    host = opened(path)
     port.carry(10 * BYTE_US)
     assert arrived(host) == CountingDevice().bytes_until(10 * BYTE_US)
     os.write(host, b"hello")
@@ -178,5 +171,4 @@ def test_a_device_that_is_no_board_has_a_port_of_its_own(tmp_path: Path) -> None
         port.carry(10 * BYTE_US)
     assert device.received == b"hello"
     os.close(host)
-    port.close()
-    assert not port.path.is_symlink()
+    port.unplug()
