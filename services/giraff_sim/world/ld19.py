@@ -8,24 +8,21 @@ import random
 import struct
 from collections import deque
 from enum import StrEnum
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.senses import LaserScanner
+from giraff_scan.ld19 import MARK, POINTS, POINTS_PER_S, WRAPS_MS, crc8
 from giraff_sim.world.world import World
 
-POINTS: Final = 12
-"""Points of a packet."""
-POINTS_PER_S: Final = 4500
 PACKET_US: Final = POINTS * 1e6 / POINTS_PER_S
-TURNS_PER_S: Final = 10.0
 DELAY_US: Final = 2700.0 + 47 * 10 * 1e6 / 230_400
 """us from the end of a packet's time until its last byte has arrived."""
 
-_HEAD: Final = b"\x54\x2c"
-_CLOCK_WRAPS: Final = 30_000  # ms
+_PACKET: Final = struct.Struct("<2sHH" + "HB" * POINTS + "HH")
+_FULL_SPEED: Final = 3600.0  # deg/s
 _RUN_DOWN: Final = 0.5  # s in which a motor without power stops, and in which it is fast again
 _NOISE: Final = 0.010  # m
 _LOST: Final = 0.005  # share of the points
@@ -47,57 +44,31 @@ class Ld19Fault(StrEnum):
     """Faults of the scanner."""
 
     NONE = "none"
-    HELD = "held"
-    """Somebody holds the motor: every point looks the same way."""
-    COASTS = "coasts"
-    """The motor has lost its power."""
-    REPEATS = "repeats"
-    """It sends its last packets again and again."""
-    BROKEN = "broken"
-    """A bit of some bytes is wrong."""
-    NO_ECHO = "no_echo"
-    """It is covered, and no light comes back."""
-    LID = "lid"
-    """It is covered, and sees what covers it."""
-    THIRD = "third"
-    """A third of its turn is covered, about `covered`."""
-
-
-class Post(NamedTuple):
-    """An upright part of the robot, m in `base_link`."""
-
-    x: float
-    y: float
-    radius: float
+    HELD = "held"  # somebody holds the motor: every point looks the same way
+    COASTS = "coasts"  # the motor has lost its power
+    REPEATS = "repeats"  # it sends its last packets again and again
+    BROKEN = "broken"  # a bit of some bytes is wrong
+    NO_ECHO = "no_echo"  # it is covered, and no light comes back
+    LID = "lid"  # it is covered, and sees what covers it
+    THIRD = "third"  # the third of its turn that looks ahead is covered
 
 
 class Ld19:
     """The device at the end of its cable, on the robot of a world."""
 
     def __init__(
-        self,
-        mount: LaserScanner,
-        world: World,
-        seed: str,
-        *,
-        bias: float = 0.0,
-        noise: float = _NOISE,
-        drift: float = 0.0,
-        parts: tuple[Post, ...] = (),
+        self, mount: LaserScanner, world: World, seed: str, *, bias: float = 0.0, noise: float = _NOISE
     ) -> None:
-        """`mount`: where it truly sits; `bias`, `noise`: m, error of all ranges, and the standard deviation of each;
-        `drift`: s that its clock gains a second; `parts`: of the robot itself, which it sees."""
+        """`mount`: where it truly sits; `bias`, `noise`: m, error of all ranges, and the standard deviation of each."""
         self.fault = Ld19Fault.NONE
-        self.covered = 0.0
-        """rad in `base_link`. Middle of what is covered while THIRD."""
         self._mount = mount
         self._world = world
         self._bias, self._noise = bias, noise
         chance = random.Random(seed)
         self._random = np.random.default_rng(chance.getrandbits(64))
-        self._clock_ms, self._clock_rate = chance.uniform(0.0, _CLOCK_WRAPS), 1e-3 * (1.0 + drift)
+        self._clock_ms = chance.uniform(0.0, WRAPS_MS)
         self._angle = chance.uniform(0.0, 360.0)  # deg clockwise, of the next point
-        self._speed = 360.0 * TURNS_PER_S  # deg/s
+        self._speed = _FULL_SPEED
         self._poses: deque[tuple[float, float, float, float]] = deque()  # us, m, m, rad without jumps
         self._made = self._sent = 0  # packets
         self._packets: deque[bytes] = deque()
@@ -105,7 +76,6 @@ class Ld19:
         self._far_before = _NOTHING
         self._room_version = -1
         self._walls = self._posts = np.empty((0, 0))
-        self._parts = np.array(parts, float).reshape(-1, 3).T
 
     def bytes_until(self, now_us: int) -> bytes:
         """Return the packets that have arrived since the last call. Call it at each step of the world."""
@@ -147,15 +117,14 @@ class Ld19:
             self._send(starts[number], end, ranges[POINTS * number : POINTS * (number + 1)], steps[number])
 
     def _turn_motor(self) -> None:
-        full = 360.0 * TURNS_PER_S
-        change = full / _RUN_DOWN * PACKET_US * 1e-6
+        change = _FULL_SPEED / _RUN_DOWN * PACKET_US * 1e-6
         match self.fault:
             case Ld19Fault.HELD:
                 self._speed = 0.0
             case Ld19Fault.COASTS:
                 self._speed = max(0.0, self._speed - change)
             case _:
-                self._speed = min(full, self._speed + change)
+                self._speed = min(_FULL_SPEED, self._speed + change)
 
     def _seen(self, times_us: Floats, bearings: Floats) -> NDArray[np.int64]:
         """Return mm that each point tells; 0: no echo."""
@@ -173,7 +142,7 @@ class Ld19:
             case Ld19Fault.LID:
                 seen, is_lost = np.full_like(far, _LID), chances[2] < _LOST
             case Ld19Fault.THIRD:
-                is_lost |= np.cos(bearings - self.covered) > math.cos(_THIRD)
+                is_lost |= np.cos(bearings) > math.cos(_THIRD)
         seen += self._random.normal(0.0, self._noise, len(far))
         return np.where(is_lost, 0, np.rint(np.maximum(seen, _SHORTEST) * 1000.0)).astype(np.int64)
 
@@ -190,13 +159,8 @@ class Ld19:
         x = np.interp(times_us, us, xs) + cos * mount.x - sin * mount.y
         y = np.interp(times_us, us, ys) + sin * mount.x + cos * mount.y
         rays = x[:, None], y[:, None], np.cos(yaw + bearings)[:, None], np.sin(yaw + bearings)[:, None]
-        own = np.full_like(rays[0], mount.x), np.full_like(rays[0], mount.y)
-        met = (
-            _walls_met(self._walls, *rays),
-            _posts_met(self._posts, *rays),
-            _posts_met(self._parts, *own, np.cos(bearings)[:, None], np.sin(bearings)[:, None]),
-            (np.full_like(rays[0], _NOTHING), np.ones_like(rays[0])),
-        )
+        nothing = np.full_like(rays[0], _NOTHING), np.ones_like(rays[0])
+        met = _walls_met(self._walls, *rays), _posts_met(self._posts, *rays), nothing
         far, cosines = np.hstack([each for each, _ in met]), np.hstack([each for _, each in met])
         first = np.arange(len(far)), far.argmin(axis=1)
         return far[first], cosines[first]
@@ -206,10 +170,10 @@ class Ld19:
             self._packets.append(self._kept[0])
             self._kept.rotate(-1)
             return
-        now_ms = int(self._clock_ms + self._made * PACKET_US * self._clock_rate) % _CLOCK_WRAPS
-        points = b"".join(struct.pack("<HB", each, 200 if each else 0) for each in ranges)
-        head = _HEAD + struct.pack("<HH", round(step * POINTS_PER_S), round(start * 100.0) % 36000)
-        body = head + points + struct.pack("<HH", round(end * 100.0) % 36000, now_ms)
+        points = [number for mm in ranges for number in (mm, 200 if mm else 0)]
+        begin, last = (round(angle * 100.0) % 36000 for angle in (start, end))
+        now_ms = int(self._clock_ms + self._made * PACKET_US * 1e-3) % WRAPS_MS
+        body = _PACKET.pack(MARK, round(step * POINTS_PER_S), begin, *points, last, now_ms)
         packet = bytearray(body + bytes((crc8(body),)))
         self._kept.append(bytes(packet))
         if self.fault is Ld19Fault.BROKEN:
@@ -235,20 +199,3 @@ def _posts_met(posts: Floats, x: Floats, y: Floats, cos: Floats, sin: Floats) ->
     along = off_x * cos + off_y * sin
     depth = np.sqrt(np.maximum(0.0, radius**2 - (off_x * sin - off_y * cos) ** 2))
     return np.where((along > 0.0) & (depth > 0.0), np.maximum(0.0, along - depth), _NOTHING), depth / radius
-
-
-def _crc_of(value: int) -> int:
-    for _ in range(8):
-        value = (value << 1 ^ 0x4D if value & 0x80 else value << 1) & 0xFF
-    return value
-
-
-_CRC: Final = tuple(map(_crc_of, range(256)))
-
-
-def crc8(data: bytes) -> int:
-    """Return the check byte of the first 46 bytes of a packet."""
-    crc = 0
-    for byte in data:
-        crc = _CRC[crc ^ byte]
-    return crc
