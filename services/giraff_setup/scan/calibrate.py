@@ -22,8 +22,7 @@ from giraff_tools.terminal.human import Human, NobodyError, agrees
 
 _COMMAND: Final = "calibrate scan"
 _complain: Final = partial(complain, _COMMAND)
-_FAR_OFF: Final = 3.0
-"""Standard deviations by which the two ways may differ."""
+_FAR_OFF: Final = 3.0  # standard deviations by which the two ways may differ
 
 
 def calibrate_scan(robot: str | None, connect: Sequence[str], file: Path | None, *, as_json: bool = False) -> int:
@@ -83,7 +82,7 @@ def in_words(before: LaserScanner, found: Surveyed) -> str:
         ("x", f"{mount.x:.3f} ± {mount.x_sd:.3f} m", f"{before.x:.3f} m"),
         ("y", f"{mount.y:.3f} ± {mount.y_sd:.3f} m", f"{before.y:.3f} m"),
         ("yaw", f"{_degrees(mount.yaw):.1f} ± {math.degrees(mount.yaw_sd):.1f}°", f"{_degrees(before.yaw):.1f}°"),
-        ("upside_down", _said(found.upside_down), _said(before.upside_down)),
+        ("upside_down", *("yes" if each.upside_down else "no" for each in (found, before))),
         ("own", _arcs(found.own), "not measured" if before.own is None else _arcs(before.own)),
     ]
     table = [f"{found.name:<14}{'found':<28}before", *(f"{what:<14}{now:<28}{was}" for what, now, was in rows)]
@@ -115,10 +114,6 @@ def disagreement(motion: Mount, step: Mount) -> str:
 
 def _degrees(angle: float) -> float:
     return math.degrees(math.remainder(angle, math.tau))
-
-
-def _said(value: bool) -> str:
-    return "yes" if value else "no"
 
 
 def _arcs(own: Sequence[tuple[float, float]]) -> str:

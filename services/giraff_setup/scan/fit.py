@@ -8,46 +8,37 @@ import numpy as np
 
 from giraff_schemas.scan import RAYS
 from giraff_setup.condition import is_determined
-from giraff_setup.scan.match import Cloud, Field, Floats, cloud_of, match, rotated
+from giraff_setup.scan.match import Cloud, Field, Floats, cloud_of, match, points_of, rotated
 from giraff_setup.ultrasonic.fit import UntoldError
 
 _STEP: Final = math.tau / RAYS
 FEWEST: Final = 150
 """Rays of a turn with an echo. Fewer tell no place."""
-_NEAR: Final = 0.05
-"""m. A nearer echo is dirt on the window."""
-_OWN_WITHIN, _OWN_ALIKE, _OWN_SHARE = 0.45, 0.03, 0.9
-"""m, m. The robot's own parts are so near, and stay so equal at this share of the headings."""
-_ALIKE: Final = 0.1
-"""m by which a ray may differ from the one that saw the same wall before."""
-_APART: Final = 3
-"""Headings between the two that are compared for it."""
-_CLEARLY: Final = 0.05
-"""Share of the rays by which one sense of the turn must explain more than the other one."""
-_SPREAD: Final = (0.1, 0.1, 0.03)
-"""m, m, rad. Standard deviations of the scanner's way from one rest to the next, and of odometry's turn."""
-_BEFORE: Final = 8
-"""Rests before this one whose walls a turn is matched to, beside those of the first."""
-_TOGETHER: Final = 2
-"""Rounds in which each turn is matched to the walls of all: what has added up on the way is shared out."""
-_FREE: Final = (1.0, 1.0, 1.0)
-_LEAST_SHARE: Final = 0.5
-"""Share of a turn's points that lie on walls seen before."""
-_MOST_TURN, _MOST_WAY = math.radians(6.0), 0.1
-"""rad of each turn, and share of the straight way, by which walls and wheels may differ."""
-_LEAST_SD: Final = (0.0015, math.radians(0.3))
-"""m, rad. Errors that the residuals do not show."""
-_MOST_SD: Final = (0.006, math.radians(1.0))
-"""m, rad. Less sure than this, nothing is told."""
-_LEAN: Final = math.radians(20.0)
-_FEWEST_AT_STEP: Final = 5
-"""Rays of each turn on the wall, and on the step."""
-_LOWEST, _HIGHEST = 0.012, 0.08
-"""m of a step."""
 STEP_SD: Final = (0.0035, 0.0045, math.radians(0.6))
 """m, m, rad. How well a person measures with a tape, lays the step on the axis, and parks square."""
 BIAS_SD: Final = 0.045
 """m. Bias of the ranges that the maker allows."""
+
+_NEAR: Final = 0.05  # m: a nearer echo is dirt on the window
+_OWN_WITHIN, _OWN_ALIKE = 0.45, 0.03  # m: the robot's own parts are so near, and stay so equal
+_OWN_SHARE: Final = 0.9  # of the headings, at which they do
+_ALIKE: Final = 0.1  # m by which a ray may differ from the one that saw the same wall before
+_APART: Final = 3  # headings between the two that are compared for it
+_CLEARLY: Final = 0.05  # share of the rays by which one sense of the turn must explain more than the other one
+_SPREAD: Final = (0.1, 0.1, 0.03)
+"""m, m, rad. Standard deviations of the scanner's way from one rest to the next, and of odometry's turn."""
+_BEFORE: Final = 8  # rests before this one whose walls a turn is matched to, beside those of the first
+_TOGETHER: Final = 2
+"""Rounds in which each turn is matched to the walls of all: what has added up on the way is shared out."""
+_FREE: Final = (1.0, 1.0, 1.0)
+_LEAST_SHARE: Final = 0.5  # of a turn's points, that lie on walls seen before
+_MOST_TURN: Final = math.radians(6.0)  # by which walls and wheels may differ in each turn
+_MOST_WAY: Final = 0.1  # share of the straight way, the same
+_LEAST_SD: Final = (0.0015, math.radians(0.3))  # m, rad: errors that the residuals do not show
+_MOST_SD: Final = (0.006, math.radians(1.0))  # m, rad: less sure than this, nothing is told
+_LEAN: Final = math.radians(20.0)
+_FEWEST_AT_STEP: Final = 5  # rays of each turn on the wall, and on the step
+_LOWEST, _HIGHEST = 0.012, 0.08  # m of a step
 
 
 class ScanTurn(NamedTuple):
@@ -109,13 +100,10 @@ def own_parts(turns: Sequence[ScanTurn]) -> list[tuple[float, float]]:
     own = same.mean(axis=0) >= _OWN_SHARE
     for others in (np.isfinite(ranges).mean(axis=0) > 1.0 - _OWN_SHARE, True):  # a ray at an edge meets it now and then
         own |= (np.roll(own, 1) | np.roll(own, -1)) & others
-    begins, ends = (np.flatnonzero(own & ~np.roll(own, side)) for side in (1, -1))
-    if len(begins) and ends[0] < begins[0]:
-        ends = np.roll(ends, -1)
     found = []
-    for begin, width in zip(begins.tolist(), ((ends - begins) % RAYS + 1).tolist(), strict=True):
+    for begin in np.flatnonzero(own & ~np.roll(own, 1)).tolist():
         angle = math.remainder((begin - 0.5) * _STEP, math.tau)
-        found.append((angle, angle + width * _STEP))
+        found.append((angle, angle + int(np.argmin(np.roll(own, -begin))) * _STEP))
     return sorted(found)
 
 
@@ -171,7 +159,7 @@ def mount_by_step(turns: Sequence[ScanTurn], distance: float, rough: Mount, *, i
     """
     side = -1.0 if is_behind else 1.0
     back = math.pi if is_behind else 0.0
-    points = np.concatenate([ranges[:, None] * np.stack([np.cos(a), np.sin(a)], axis=1) for a, ranges in turns])
+    points = np.concatenate([points_of(*turn) for turn in turns])
     yaw, edge, wall, face = rough.yaw - back, -side * rough.y, distance - side * rough.x, 0.0
     ahead = rotated(yaw, points)
     points = points[(np.abs(np.arctan2(ahead[:, 1], ahead[:, 0])) < 0.8) & (np.abs(ahead[:, 0] - wall) < 0.3)]

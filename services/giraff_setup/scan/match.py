@@ -11,24 +11,16 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-_CELL: Final = 0.04
-"""m of the cells of a field."""
-_REACH: Final = 0.32
-"""m up to which a field knows the nearest wall point."""
-_APART: Final = 0.03
-"""m between two points that a field keeps."""
-_HALF_SPAN: Final = 0.12
-"""m to either side, over which a wall's direction is taken."""
-_ROUGH: Final = 0.022
-"""m. Standard deviation beyond which points are no flat wall."""
+_CELL: Final = 0.04  # m, of a field
+_REACH: Final = 0.32  # m up to which a field knows the nearest wall point
+_APART: Final = 0.03  # m between two points that a field keeps
+_HALF_SPAN: Final = 0.12  # m to either side, over which a wall's direction is taken
+_ROUGH: Final = 0.022  # m: standard deviation beyond which points are no flat wall
 _SHORT, _LONG = 0.02, 0.35
 """m. Standard deviation along a wall: a shorter one tells no direction, and a longer one has a gap."""
-_SIGMA: Final = 0.02
-"""m. Standard deviation of a point off its wall."""
-_DEPENDENT: Final = 0.25
-"""Weight of a point: neighbours err alike."""
-_ON_WALL: Final = 0.06
-"""m off a wall within which a point lies on it."""
+_SIGMA: Final = 0.02  # m: standard deviation of a point off its wall
+_DEPENDENT: Final = 0.25  # weight of a point: neighbours err alike
+_ON_WALL: Final = 0.06  # m off a wall within which a point lies on it
 _ROUNDS: Final = 15
 
 Floats = npt.NDArray[np.float64]
@@ -49,8 +41,6 @@ class Matched(NamedTuple):
     """The pose of a turn."""
 
     pose: Floats
-    information: Floats
-    """Inverse of its covariance, by the walls alone."""
     share: float
     """Share of the points on flat walls that lie on the field's walls."""
 
@@ -62,13 +52,19 @@ def rotated(angle: float, points: Any) -> Floats:
     return turned
 
 
+def points_of(angles: Floats, ranges: Floats) -> Floats:
+    """Return the points of rays that have these angles (rad) and ranges (m)."""
+    points: Floats = ranges[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return points
+
+
 def cloud_of(angles: Floats, ranges: Floats) -> Cloud:
-    """Return the points of a turn, whose rays have these angles (rad) and ranges (m)."""
+    """Return the points and normals of a turn."""
     angles = angles % math.tau
     order = np.argsort(angles)
     angles, ranges = angles[order], ranges[order]
-    points = ranges[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     half = np.clip(_HALF_SPAN / np.maximum(ranges, 0.1) * len(angles) / math.tau, 3, min(12, (len(angles) - 1) // 2))
+    points = points_of(angles, ranges)
     return Cloud(points, _normals(points, half.astype(int)))
 
 
@@ -126,7 +122,7 @@ class Field:
 def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Matched:
     """Return the scanner's pose in the field. `spread`: standard deviations (m, m, rad) of `guess`."""
     pose, prior, gate = np.array(guess, dtype=float), 1.0 / np.square(spread), 0.3
-    information, off = np.zeros((3, 3)), np.full(len(cloud.points), math.inf)
+    off = np.full(len(cloud.points), math.inf)
     for number in range(_ROUNDS):
         points, own = cloud.placed(pose)
         at, normals, known = field.nearest(points)
@@ -136,12 +132,12 @@ def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Ma
         arm, normal, error = points[used] - pose[:2], normals[used], off[used]
         slope = np.column_stack([normal, normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]])
         weight = _DEPENDENT / (_SIGMA**2 + (error / 2.0) ** 2)
-        information = (slope * weight[:, None]).T @ slope
+        weighed = (slope * weight[:, None]).T
         moved = pose - guess
         moved[2] = math.remainder(moved[2], math.tau)
-        step = np.linalg.solve(information + np.diag(prior), -(slope * weight[:, None]).T @ error - prior * moved)
+        step = np.linalg.solve(weighed @ slope + np.diag(prior), -weighed @ error - prior * moved)
         pose, gate = pose + step, max(0.1, gate * 0.75)
         if number > 3 and np.abs(step).max() < 2e-4:
             break
     flat, met = (cloud.normals != 0.0).any(axis=1).sum(), (np.abs(off) < _ON_WALL).sum()
-    return Matched(pose, information, float(met) / max(1.0, float(flat)))
+    return Matched(pose, float(met) / max(1.0, float(flat)))

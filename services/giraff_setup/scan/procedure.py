@@ -22,24 +22,18 @@ from giraff_setup.scan.fit import (
     own_parts,
     turns_with_wheels,
 )
-from giraff_setup.scan.match import Floats, rotated
+from giraff_setup.scan.match import Floats, points_of, rotated
 from giraff_setup.ultrasonic.calibrate import HeldRest
 from giraff_setup.ultrasonic.fit import UntoldError
-from giraff_setup.ultrasonic.procedure import StoppedError, ask_number
+from giraff_setup.ultrasonic.procedure import StoppedError, ask_number, has_moved
 from giraff_tools.terminal.human import Human, agrees
 
 _HEADINGS: Final = 36
 _LEGS: Final = 10
-_LEG: Final = 0.1
-"""m."""
-_ROOM: Final = 1.5
-"""m that must be free before the robot."""
-_BESIDE: Final = 0.05
-"""m to either side of the robot that must be free, too."""
-_STILL: Final = (0.01, math.radians(1.0))
-"""m, rad that odometry may tell of a robot that rests."""
-_TURNS: Final = 20
-"""Turns of the scanner before the wall."""
+_LEG: Final = 0.1  # m
+_ROOM: Final = 1.5  # m that must be free before the robot
+_BESIDE: Final = 0.05  # m to either side of the robot that must be free, too
+_TURNS: Final = 20  # of the scanner before the wall
 _BACK: Final = math.radians(20.0)
 """Half of the arc behind the robot in which nothing of its own may hide the wall."""
 _ASIDE: Final = math.radians(135.0)
@@ -134,7 +128,10 @@ def check(human: Human, stand: ScannedRobot, filed: LaserScanner, found: Surveye
                     human.show(f"It did not turn round: {error}. Turn it yourself.")
                 human.show("Park it square again, its back to the wall, the edge of the book on its middle line.")
                 behind = _before_wall(human, stand, filed, found, is_behind=True)
-                return _mean(facing, behind), (behind.x - facing.x) / 2.0
+                yaw = facing.yaw + math.remainder(behind.yaw - facing.yaw, math.tau) / 2.0
+                sds = (sd / math.sqrt(2.0) for sd in STEP_SD)
+                mean = Mount((facing.x + behind.x) / 2.0, (facing.y + behind.y) / 2.0, yaw, *sds)
+                return mean, (behind.x - facing.x) / 2.0
             return facing._replace(x_sd=math.hypot(STEP_SD[0], BIAS_SD)), None
         except UntoldError as error:
             human.show(f"This check does not tell: {error}.")
@@ -143,25 +140,15 @@ def check(human: Human, stand: ScannedRobot, filed: LaserScanner, found: Surveye
 
 def _before_wall(human: Human, stand: ScannedRobot, filed: LaserScanner, found: Surveyed, *, is_behind: bool) -> Mount:
     distance = ask_number(human, "From the wall to the middle between the wheels, along the floor:", stand.idle)
-    turns = [_seen(scan, filed) for scan in _scans(stand, _TURNS)]
-    if found.upside_down is not filed.upside_down:
-        turns = [turn.mirrored() for turn in turns]
+    seen = [_seen(scan, filed) for scan in _scans(stand, _TURNS)]
+    turns = seen if found.upside_down is filed.upside_down else [turn.mirrored() for turn in seen]
     return mount_by_step([turn.without(found.own) for turn in turns], distance, found.mount, is_behind=is_behind)
-
-
-def _mean(facing: Mount, behind: Mount) -> Mount:
-    yaw = facing.yaw + math.remainder(behind.yaw - facing.yaw, math.tau) / 2.0
-    sds = (sd / math.sqrt(2.0) for sd in STEP_SD)
-    return Mount((facing.x + behind.x) / 2.0, (facing.y + behind.y) / 2.0, yaw, *sds)
 
 
 def _rest(stand: ScannedRobot, filed: LaserScanner) -> tuple[ScanTurn, Pose]:
     """Return a turn of the scanner while the robot rests, and odometry's pose."""
-    before = stand.place()
-    [scan] = _scans(stand, 1)
-    after = stand.place()
-    turned = abs(math.remainder(after.yaw - before.yaw, math.tau))
-    if math.dist(before[:2], after[:2]) > _STILL[0] or turned > _STILL[1]:
+    before, [scan], after = stand.place(), _scans(stand, 1), stand.place()
+    if has_moved(before, after):
         raise StoppedError("the robot moved while it was to rest; see that nobody drives it, and begin again")
     seen = _seen(scan, filed)
     if (count := len(seen.without(()).ranges)) < FEWEST:
@@ -192,6 +179,5 @@ def _seen(scan: LaserScan, filed: LaserScanner) -> ScanTurn:
 def _free_ahead(seen: ScanTurn, filed: LaserScanner, radius: float) -> float:
     """Return m from the robot's front to what it sees there."""
     angles, ranges = seen.without(filed.own or ())
-    points = ranges[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    x, y = rotated(filed.yaw, points).T + np.array([[filed.x], [filed.y]])
+    x, y = rotated(filed.yaw, points_of(angles, ranges)).T + np.array([[filed.x], [filed.y]])
     return float(x[(x > radius) & (np.abs(y) < radius + _BESIDE)].min(initial=math.inf) - radius)

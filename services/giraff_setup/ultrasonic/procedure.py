@@ -31,9 +31,7 @@ _TYPED_WITHIN: Final = 0.1
 _MOST_OFF: Final = 0.1
 """m that y or z may differ from the file: more is a slip."""
 _ASIDE: Final = math.radians(45.0)
-_AT_REST: Final = 0.01
-"""m that odometry may tell of a robot that rests."""
-_AT_REST_YAW: Final = math.radians(1.0)
+_AT_REST, _AT_REST_YAW = 0.01, math.radians(1.0)  # m, rad that odometry may tell of a robot that rests
 
 INTRODUCTION: Final = f"""\
 Park the robot square before a bare, flat wall, front towards it, {_NEAREST} to {_FARTHEST} m away. The wall is to be
@@ -137,9 +135,7 @@ def _measure_side(
         human.show(f"It listens for {pings} pings of {', '.join(sensors)}.")
         before = stand.place()
         rests.append(stand.listen(list(sensors), pings))
-        after = stand.place()
-        turned = math.remainder(after.yaw - before.yaw, math.tau)
-        if math.hypot(after.x - before.x, after.y - before.y) > _AT_REST or abs(turned) > _AT_REST_YAW:
+        if has_moved(before, stand.place()):
             raise StoppedError("the robot moved while it was to listen; see that nobody drives it, and begin again")
         if leg == (LEGS if ahead else 0):
             _, turn = _perform(human, stand, _SWINGS, "It turns to either side.")
@@ -151,6 +147,12 @@ def _measure_side(
         except UntoldError as error:
             measured[name] = Measured(pose, None, str(error))
     return measured
+
+
+def has_moved(before: Pose, after: Pose) -> bool:
+    """Tell whether a robot that was to rest did not."""
+    turned = abs(math.remainder(after.yaw - before.yaw, math.tau))
+    return math.dist(before[:2], after[:2]) > _AT_REST or turned > _AT_REST_YAW
 
 
 def _perform(human: Human, stand: Stand, steps: Sequence[Step], words: str) -> tuple[MotionResult, list[Echo]]:
