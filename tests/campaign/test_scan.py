@@ -1,7 +1,7 @@
 """A robot that sees by a laser scanner alone: posts, furniture, and faults of the scanner."""
 
 import statistics
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from typing import Any, Final
@@ -29,18 +29,12 @@ def figures() -> Iterator[dict[str, Any]]:
 
 @pytest.mark.parametrize("first", range(0, POSTS, 100))
 def test_no_post_is_touched(first: int, figures: dict[str, Any]) -> None:
-    with ProcessPoolExecutor() as pool:
-        drives = list(pool.map(partial(drive_at_post, seconds=_POST_S), range(first, first + 100)))
-    figures[f"posts_from_{first}"] = _told(drives)
-    assert [drive for drive in drives if drive.hard] == []
+    _require_soft(partial(drive_at_post, seconds=_POST_S), range(first, first + 100), figures, "posts")
 
 
 @pytest.mark.parametrize("first", range(0, WILD, 30))
 def test_no_furniture_is_touched(first: int, figures: dict[str, Any]) -> None:
-    with ProcessPoolExecutor() as pool:
-        drives = list(pool.map(partial(drive_wildly, seconds=_WILD_S), range(first, first + 30)))
-    figures[f"wild_from_{first}"] = _told(drives)
-    assert [drive for drive in drives if drive.hard] == []
+    _require_soft(partial(drive_wildly, seconds=_WILD_S), range(first, first + 30), figures, "wild")
 
 
 @pytest.mark.parametrize("name", FAULTS)
@@ -53,12 +47,16 @@ def test_each_fault_stops_it_or_slows_it(name: str, figures: dict[str, Any]) -> 
     assert max(seconds) <= BOUND
 
 
-def _told(drives: list[Drive]) -> dict[str, float]:
-    speeds = [touch.speed for drive in drives for touch in drive.touches]
-    return {
+def _require_soft(drive: Callable[[int], Drive], seeds: range, figures: dict[str, Any], name: str) -> None:
+    """Drive with these seeds, and note the figures."""
+    with ProcessPoolExecutor() as pool:
+        drives = list(pool.map(drive, seeds))
+    speeds = [speed for made in drives for speed in made.touches]
+    figures[f"{name}_from_{seeds[0]}"] = {
         "drives": len(drives),
-        "way_m": round(sum(drive.way for drive in drives), 1),
-        "nearest_m": round(min(drive.nearest for drive in drives), 3),
+        "way_m": round(sum(made.way for made in drives), 1),
+        "nearest_m": round(min(made.nearest for made in drives), 3),
         "touches": len(speeds),
         "fastest_touch_m_s": round(max(speeds, default=0.0), 2),
     }
+    assert [seed for seed, made in zip(seeds, drives, strict=True) if made.is_hard] == []

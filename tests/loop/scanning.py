@@ -17,6 +17,7 @@ from giraff_sim.config import SimConfig
 from giraff_sim.hosts.cable import Cable
 from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.truth import Truth
+from giraff_sim.world.body import Plant
 from giraff_sim.world.ld19 import Ld19
 from giraff_sim.world.room import Pose, Room
 from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, drawn, hold
@@ -100,16 +101,14 @@ def furnished(name: str, yaw: float = 0.0) -> Room:
     return room
 
 
-class Turns(Observer):
-    """Keeps all turns of the scanner that are published."""
-
+class _Turns(Observer):
     def __init__(self) -> None:
-        self.said_turns: list[LaserScan] = []
+        self.turns: list[LaserScan] = []
 
     def said(self, process: Process, sample: Any) -> None:
         del process
         if isinstance(sample, LaserScan):
-            self.said_turns.append(sample)
+            self.turns.append(sample)
 
 
 class Scanned(NamedTuple):
@@ -118,16 +117,8 @@ class Scanned(NamedTuple):
     loop: ClosedLoop
     laser: Ld19
     turns: list[LaserScan]
-
-    @property
-    def free(self) -> float:
-        """m to what is nearest."""
-        return self.loop.simulation.world.plant.clearance
-
-    @property
-    def speed(self) -> float:
-        """m/s, truly."""
-        return self.loop.simulation.world.plant.speed
+    """All that were published."""
+    plant: Plant
 
 
 @contextmanager
@@ -140,7 +131,7 @@ def scanned(
     mount: LaserScanner = LASER,
 ) -> Iterator[Scanned]:
     """A robot that is armed, with a scanner and these sensors beside it."""
-    robot, heard = msgspec.structs.replace(ROBOT, sensors={"laser": mount} | (sensors or {})), Turns()
+    robot, heard = msgspec.structs.replace(ROBOT, sensors={"laser": mount} | (sensors or {})), _Turns()
     settings, config = msgspec.structs.replace(SETTINGS, robot=robot), ScanConfig(port=_CABLE)
     with closed_loop(room, settings, sim=sim, seed=seed, truth=truth, observer=heard) as loop:
         bias = random.Random(f"{seed}/bias").uniform(-_BIAS, _BIAS)
@@ -148,42 +139,33 @@ def scanned(
         loop.cables[_CABLE] = Cable(laser, loop.simulation)
         loop.launch("scan", lambda io: Scan(io, config, robot), loop.hosts["robot"])
         arm(loop)
-        yield Scanned(loop, laser, heard.said_turns)
+        yield Scanned(loop, laser, heard.turns, loop.simulation.world.plant)
 
 
-class Touch(NamedTuple):
-    """The robot has come to touch something."""
-
-    speed: float
-    """m/s just before."""
-    seconds: float
-    pose: Pose
-
-
-def touches(scanned: Scanned, seconds: float) -> Iterator[Touch]:
-    """Run for so long, and yield each touch."""
-    simulation, plant = scanned.loop.simulation, scanned.loop.simulation.world.plant
+def touches(robot: Scanned, seconds: float) -> Iterator[float]:
+    """Run for so long, and yield of each touch how fast the robot was just before, m/s."""
+    simulation, plant = robot.loop.simulation, robot.plant
     end = simulation.now_us + round(seconds * 1e6)
     while simulation.now_us < end:
         contacts, speed = plant.contacts, abs(plant.speed)
-        scanned.loop.step()
+        robot.loop.step()
         if plant.contacts > contacts:
-            yield Touch(speed, simulation.now_us * 1e-6, plant.pose)
+            yield speed
 
 
 class Drive(NamedTuple):
     """What became of a drive."""
 
-    touches: list[Touch]
+    touches: list[float]
+    """Speed of each, m/s."""
     way: float
     """m the robot came."""
     nearest: float
     """m to what was nearest on that way."""
 
     @property
-    def hard(self) -> list[Touch]:
-        """Return the touches that are failures."""
-        return [touch for touch in self.touches if touch.speed > GENTLE]
+    def is_hard(self) -> bool:
+        return max(self.touches, default=0.0) > GENTLE
 
 
 def drive_wildly(seed: int, seconds: float) -> Drive:
@@ -211,9 +193,8 @@ def drive_at_post(seed: int, seconds: float, farthest: float = 2.2) -> Drive:
 def _driven(room: Room, seed: int, holds: Sequence[tuple[float, float, float]]) -> Drive:
     """Hold the joystick like that along its axes, m/s², for so many s each."""
     with scanned(room, seed, sim=SimConfig(), truth=drawn(seed), mount=MOUNTS[seed // 3 % 2]) as robot:
-        plant = robot.loop.simulation.world.plant
-        found: list[Touch] = []
+        found: list[float] = []
         for x, y, lasts in holds:
             hold(robot.loop, x, y)
             found += touches(robot, lasts)
-        return Drive(found, plant.path_length, plant.closest)
+        return Drive(found, robot.plant.path_length, robot.plant.closest)

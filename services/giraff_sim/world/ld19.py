@@ -160,7 +160,7 @@ class Ld19:
         y = np.interp(times_us, us, ys) + sin * mount.x + cos * mount.y
         rays = x[:, None], y[:, None], np.cos(yaw + bearings)[:, None], np.sin(yaw + bearings)[:, None]
         nothing = np.full_like(rays[0], _NOTHING), np.ones_like(rays[0])
-        met = _walls_met(self._walls, *rays), _posts_met(self._posts, *rays), nothing
+        met = walls_met(self._walls, *rays), _posts_met(self._posts, *rays), nothing
         far, cosines = np.hstack([each for each, _ in met]), np.hstack([each for _, each in met])
         first = np.arange(len(far)), far.argmin(axis=1)
         return far[first], cosines[first]
@@ -182,7 +182,7 @@ class Ld19:
         self._packets.append(bytes(packet))
 
 
-def _walls_met(walls: Floats, x: Floats, y: Floats, cos: Floats, sin: Floats) -> tuple[Floats, Floats]:
+def walls_met(walls: Floats, x: Floats | float, y: Floats | float, cos: Floats, sin: Floats) -> tuple[Floats, Floats]:
     """Return m from (x, y), a row each, to each wall in a direction, and the cosine of the incidence there."""
     off_x, off_y, along_x, along_y = walls[0] - x, walls[1] - y, walls[2] - walls[0], walls[3] - walls[1]
     across = cos * along_y - sin * along_x

@@ -3,6 +3,7 @@
 import math
 from array import array
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -15,12 +16,11 @@ from giraff_schemas.scan import NO_ECHO, RAYS, LaserScan, packed
 from giraff_schemas.trouble import NO_TROUBLE
 from giraff_setup.ultrasonic.fit import Echo
 from giraff_setup.ultrasonic.procedure import StoppedError
+from giraff_sim.world.ld19 import walls_met
 
 _REACH: Final = 12.0
-_WANDER: Final = 0.003
-"""m by which the robot's origin is off at each rest."""
-_BEND: Final = math.radians(1.0)
-"""rad that a straight drive bends in a metre."""
+_WANDER: Final = 0.003  # m by which the robot's origin is off at each rest
+_BEND: Final = math.radians(1.0)  # that a straight drive bends in a metre
 _TAPE: Final = 0.003
 _ASKEW: Final = math.radians(0.5)
 Segments = list[tuple[float, float, float, float]]
@@ -61,23 +61,15 @@ NARROW: Final = box(-0.6, -0.6, 1.2, 0.6)
 
 def posts(*bearings: float) -> Segments:
     """Return posts of 40 mm on the robot, 0.14 m from the scanner, in its frame."""
-    return [
-        (0.14 * math.cos(b) + dx, 0.14 * math.sin(b) + dy, 0.14 * math.cos(b) + ex, 0.14 * math.sin(b) + ey)
-        for b in bearings
-        for dx, dy, ex, ey in box(-0.02, -0.02, 0.02, 0.02)
-    ]
+    at = [(0.14 * math.cos(bearing), 0.14 * math.sin(bearing)) for bearing in bearings]
+    return [side for x, y in at for side in box(x - 0.02, y - 0.02, x + 0.02, y + 0.02)]
 
 
 def step_in_a_wall(distance: float, book: float) -> Segments:
     """Return a wall at x = `distance`, which a book covers to the left of the x axis."""
     near = distance - book
-    return [
-        (distance, -3.0, distance, 0.0),
-        (distance, 0.0, near, 0.0),
-        (near, 0.0, near, 0.3),
-        (near, 0.3, distance, 0.3),
-        (distance, 0.3, distance, 3.0),
-    ]
+    corners = [(distance, -3.0), (distance, 0.0), (near, 0.0), (near, 0.3), (distance, 0.3), (distance, 3.0)]
+    return [(*begin, *end) for begin, end in pairwise(corners)]
 
 
 class DrawnScanned:
@@ -123,10 +115,8 @@ class DrawnScanned:
                 if self._is_behind and self.is_blocked:  # the person then turns it
                     raise StoppedError("something is beside it")
                 turned = step.angle * (1.0 + self.chance.normal(0.0, 0.02))
-                self._true, self._odometry = (
-                    self._true.moved(0.0, turned),
-                    self._odometry.moved(0.0, turned * self._scale),
-                )
+                self._true = self._true.moved(0.0, turned)
+                self._odometry = self._odometry.moved(0.0, turned * self._scale)
             elif isinstance(step, Move):
                 self._true = self._true.moved(step.distance, self._bend * step.distance)
                 self._odometry = self._odometry.moved(step.distance * self._scale, 0.0)
@@ -177,10 +167,4 @@ class DrawnScanned:
 
 
 def _cast(segments: Segments, x: float, y: float, angles: Any) -> Any:
-    x0, y0, x1, y1 = np.array(segments).T
-    ray_x, ray_y = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    to_x, to_y, side_x, side_y = x0 - x, y0 - y, x1 - x0, y1 - y0
-    cross = ray_x * side_y - ray_y * side_x
-    cross = np.where(np.abs(cross) < 1e-12, 1e-12, cross)
-    far, part = (to_x * side_y - to_y * side_x) / cross, (to_x * ray_y - to_y * ray_x) / cross
-    return np.where((part >= 0.0) & (part <= 1.0) & (far > 0.0), far, 99.0).min(axis=1)
+    return walls_met(np.array(segments).T, x, y, np.cos(angles)[:, None], np.sin(angles)[:, None])[0].min(axis=1)
