@@ -15,39 +15,33 @@ CREEP: Final = SETTINGS.guard.creep_linear + 1e-6
 _STEADY_S: Final = 0.2  # before the fault, in which nothing else may slow the robot
 
 
-class Fault(NamedTuple):
-    """A row."""
-
-    begin: Callable[[Scanned], None]
-    stops: bool = True
-    """Whether it stops the robot; else the robot creeps."""
+Begin = Callable[[Scanned], None]
 
 
-def _is(fault: Ld19Fault) -> Callable[[Scanned], None]:
+def _is(fault: Ld19Fault) -> Begin:
     def begin(robot: Scanned) -> None:
         robot.laser.fault = fault
 
     return begin
 
 
-def _pull(robot: Scanned) -> None:
-    robot.loop.cables["scan"].unplug()
-
-
 def _hang(robot: Scanned) -> None:
     robot.loop.processes["scan"].paused = True
 
 
-FAULTS: Final = {
-    "cable out": Fault(_pull),
-    "service hung": Fault(_hang),
-    "motor held": Fault(_is(Ld19Fault.HELD)),
-    "motor coasts down": Fault(_is(Ld19Fault.COASTS)),
-    "same bytes again and again": Fault(_is(Ld19Fault.REPEATS)),
-    "5 % of bytes broken": Fault(_is(Ld19Fault.BROKEN), stops=False),
-    "covered, no echo": Fault(_is(Ld19Fault.NO_ECHO), stops=False),
-    "covered, 3 cm": Fault(_is(Ld19Fault.LID), stops=False),
-    "a third covered ahead": Fault(_is(Ld19Fault.THIRD), stops=False),
+STOPPING: Final[dict[str, Begin]] = {
+    "cable out": lambda robot: robot.loop.cables["scan"].unplug(),
+    "service hung": _hang,
+    "motor held": _is(Ld19Fault.HELD),
+    "motor coasts down": _is(Ld19Fault.COASTS),
+    "same bytes again and again": _is(Ld19Fault.REPEATS),
+}
+FAULTS: Final[dict[str, Begin]] = {
+    **STOPPING,  # the others slow it to a creep
+    "5 % of bytes broken": _is(Ld19Fault.BROKEN),
+    "covered, no echo": _is(Ld19Fault.NO_ECHO),
+    "covered, 3 cm": _is(Ld19Fault.LID),
+    "a third covered ahead": _is(Ld19Fault.THIRD),
 }
 
 
@@ -67,7 +61,6 @@ def react(name: str, seed: int, after: float) -> Reaction:
     choose = random.Random(f"{seed}/fault")
     room = Room("room", Pose(-1.5, 0.3, choose.uniform(-0.3, 0.3)))
     room.add_wall("walls", [(3.0, 2.0), (-3.0, 2.0), (-3.0, -2.0), (3.0, -2.0)], closed=True)
-    fault = FAULTS[name]
     with scanned(room, seed, sim=SimConfig(), truth=drawn(seed)) as robot:
         loop = robot.loop
         hold(loop, FULL_TILT)
@@ -77,8 +70,8 @@ def react(name: str, seed: int, after: float) -> Reaction:
             loop.step()
             steady = min(steady, loop.newest["cmd_vel"].linear_x)
             blind = max(blind, len(robot.turns[-1].blind))
-        begun_us, most = loop.simulation.now_us, 0.0 if fault.stops else CREEP
-        fault.begin(robot)
+        begun_us, most = loop.simulation.now_us, 0.0 if name in STOPPING else CREEP
+        FAULTS[name](robot)
         while (now_us := loop.simulation.now_us) - begun_us <= BOUND * 1e6:
             loop.step()
             if loop.newest["cmd_vel"].linear_x <= most:

@@ -92,12 +92,12 @@ def furnished(name: str, yaw: float = 0.0) -> Room:
     door, width, depth = plan.door, plan.width, plan.depth
     room.add_wall("walls", [(door + 0.9, 0.0), (width, 0.0), (width, depth), (0.0, depth), (0.0, 0.0), (door, 0.0)])
     room.add_wall("hall", [(door, 0.0), (door, -1.3), (door + 0.9, -1.3), (door + 0.9, 0.0)])
-    for number, (left, lower, right, upper) in enumerate(plan.boxes):
-        room.add_wall(f"box {number}", [(left, lower), (right, lower), (right, upper), (left, upper)], closed=True)
-    for number, (x, y, radius) in enumerate(plan.legs):
-        room.add_post(f"leg {number}", x, y, radius)
-    for number, line in enumerate(plan.lines):
-        room.add_wall(f"line {number}", [*line])
+    for left, lower, right, upper in plan.boxes:
+        room.add_wall("box", [(left, lower), (right, lower), (right, upper), (left, upper)], closed=True)
+    for leg in plan.legs:
+        room.add_post("leg", *leg)
+    for line in plan.lines:
+        room.add_wall("line", [*line])
     return room
 
 

@@ -1,4 +1,4 @@
-"""A robot with a laser scanner keeps from what stands about it, by the world's truth."""
+"""A robot with a laser scanner keeps from what stands about it, and stops or creeps by a fault of it."""
 
 import math
 from typing import Final
@@ -10,6 +10,7 @@ from giraff_schemas.scan import NO_ECHO, OWN, RAYS, LaserScan
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
 from tests.loop.loops import FULL_TILT, SETTINGS, hold
+from tests.loop.scan_faults import BOUND, CREEP, FAULTS, react
 from tests.loop.scanning import Scanned, drive_at_post, drive_wildly, scanned, touches
 from tests.support.robots import ROBOT, ULTRASONIC
 
@@ -118,3 +119,11 @@ def test_a_wild_drive_touches_no_furniture(seed: int) -> None:
     drive = drive_wildly(seed, 4.0)
     assert not drive.is_hard
     assert drive.way > 0.5
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_of_the_scanner_stops_the_robot_or_slows_it(name: str) -> None:
+    reaction = react(name, seed=1, after=0.5)
+    assert reaction.steady > CREEP, "it was slow before"
+    assert reaction.blind == 0
+    assert reaction.seconds <= BOUND
