@@ -37,11 +37,10 @@ Box = tuple[float, float, float, float]
 
 
 class _Room(NamedTuple):
-    """A room of `width` by `depth` m whose south wall has a door of 0.9 m, from `door` on."""
+    """A room whose south wall has a door of 0.9 m."""
 
-    width: float
-    depth: float
-    door: float
+    size: tuple[float, float, float]
+    """m: width, depth, and where the door begins."""
     start: tuple[float, float]
     boxes: tuple[Box, ...]
     """Left, lower, right and upper edge of each."""
@@ -56,26 +55,20 @@ def _four(x: float, y: float, width: float, depth: float, radius: float) -> tupl
 
 _ROOMS: Final = {
     "parlour": _Room(
-        5.2,
-        4.4,
-        0.6,
+        (5.2, 4.4, 0.6),
         (1.3, 1.6),
         ((1.0, 3.5, 3.1, 4.4), (0.0, 1.9, 0.3, 3.3), (4.7, 0.0, 5.2, 1.0)),
         (*_four(3.3, 1.6, 1.0, 0.7, 0.03), *_four(2.8, 0.5, 0.4, 0.4, 0.012), (4.8, 4.0, 0.012)),
     ),
     "kitchen": _Room(
-        4.6,
-        3.8,
-        3.2,
+        (4.6, 3.8, 3.2),
         (2.0, 2.2),
         ((0.0, 0.0, 0.6, 3.8), (0.6, 3.2, 2.8, 3.8)),
         ((3.0, 1.9, 0.03), *_four(3.45, 2.5, 0.35, 0.35, 0.012), (1.3, 0.6, 0.012), (1.65, 0.6, 0.012)),
         (((4.6, 1.3), (4.0, 1.3), (4.0, 1.45), (4.6, 1.45)),),
     ),
     "study": _Room(
-        5.6,
-        5.0,
-        2.2,
+        (5.6, 5.0, 2.2),
         (2.6, 2.4),
         ((0.0, 3.0, 2.0, 5.0), (5.0, 1.5, 5.6, 3.9), (2.9, 4.7, 4.4, 5.0)),
         (*_four(3.6, 0.5, 1.3, 0.6, 0.03), *_four(0.5, 0.8, 0.45, 0.45, 0.012), (2.4, 3.5, 0.012)),
@@ -89,7 +82,7 @@ def furnished(name: str, yaw: float = 0.0) -> Room:
     """One of ROOMS, with the robot at its start, which looks to `yaw`."""
     plan = _ROOMS[name]
     room = Room(name, Pose(*plan.start, yaw))
-    door, width, depth = plan.door, plan.width, plan.depth
+    width, depth, door = plan.size
     room.add_wall("walls", [(door + 0.9, 0.0), (width, 0.0), (width, depth), (0.0, depth), (0.0, 0.0), (door, 0.0)])
     room.add_wall("hall", [(door, 0.0), (door, -1.3), (door + 0.9, -1.3), (door + 0.9, 0.0)])
     for left, lower, right, upper in plan.boxes:

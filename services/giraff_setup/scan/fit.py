@@ -157,8 +157,7 @@ def mount_by_step(turns: Sequence[ScanTurn], distance: float, rough: Mount, *, i
     on the robot's x axis. A bias of the ranges makes x so much smaller, with the back to the wall larger. `rough`: the
     mount by another way.
     """
-    side = -1.0 if is_behind else 1.0
-    back = math.pi if is_behind else 0.0
+    side, back = (-1.0, math.pi) if is_behind else (1.0, 0.0)
     points = np.concatenate([points_of(*turn) for turn in turns])
     yaw, edge, wall, face = rough.yaw - back, -side * rough.y, distance - side * rough.x, 0.0
     ahead = rotated(yaw, points)

@@ -34,8 +34,7 @@ _LEG: Final = 0.1  # m
 _ROOM: Final = 1.5  # m that must be free before the robot
 _BESIDE: Final = 0.05  # m to either side of the robot that must be free, too
 _TURNS: Final = 20  # of the scanner before the wall
-_BACK: Final = math.radians(20.0)
-"""Half of the arc behind the robot in which nothing of its own may hide the wall."""
+_BACK: Final = math.radians(20.0)  # half of the arc behind the robot that nothing of its own may hide
 _ASIDE: Final = math.radians(135.0)
 
 _FREE: Final = f"""\

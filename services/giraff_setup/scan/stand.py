@@ -10,10 +10,8 @@ from giraff_setup.ultrasonic.stand import NetworkStand
 from giraff_tools.network.connection import RobotConnection
 
 _PATIENCE: Final = 3.0  # s
-_TURN_EVERY: Final = 0.25
-"""s at most: the slowest turn takes 0.2 s."""
-_BEGUN: Final = 2
-"""Turns that may have begun before."""
+_TURN_EVERY: Final = 0.25  # s at most: the slowest turn takes 0.2 s
+_BEGUN: Final = 2  # turns that may have begun before
 
 
 class ScanStand(NetworkStand):
