@@ -11,6 +11,11 @@ _PATH_NS: Final = 5_000_000
 """From the middle of a packet until it is read at the earliest: 1.3 ms of points, 2 ms on the line, and USB."""
 _SETTLES_NS: Final = 1_000_000_000
 """A clock that begins anew is not believed before: an adapter may just be giving up what it has held."""
+_SETTLES_AT_MOST_NS: Final = 30_000_000_000
+_OFTEN_NS: Final = 60_000_000_000
+"""A clock that begins anew again within this time is believed after twice as long: it may say the same again."""
+_LOST_NS: Final = 10_000_000_000
+"""Silence after which the scanner's time tells nothing: it may have begun anew more than once."""
 _SLOWER: Final = 100
 """A clock may be slower than the robot's by one part in so many: that of a cheap oscillator."""
 
@@ -29,14 +34,15 @@ class DeviceClock:
         """Packets that were dropped because their time does not go on."""
         self._offset_ns: int | None = None
         """Robot's time minus the scanner's, at the earliest arrival; None: the clock begins anew."""
-        self._begun_ns = 0
+        self._begun_ns = -_OFTEN_NS
+        self._settles_ns = _SETTLES_NS
         self._heard: tuple[int, int] | None = None  # ms and robot's ns of the newest packet
 
     def measured_ns(self, ms: int, now_ns: int) -> int | None:
         """Return the robot's time at which a packet was measured; None: it must not count. `now_ns`: robot's time."""
         heard, self._heard = self._heard, (ms, now_ns)
         offset_ns = now_ns - ms * 1_000_000
-        if heard is None or self._offset_ns is None:
+        if heard is None or self._offset_ns is None or now_ns - heard[1] > _LOST_NS:
             self._begin(offset_ns, now_ns)
             return None
         late_ns = (offset_ns - self._offset_ns + _WRAPS_NS // 2) % _WRAPS_NS - _WRAPS_NS // 2
@@ -50,8 +56,10 @@ class DeviceClock:
             self.late += 1
             return None
         self._offset_ns += min(late_ns, (now_ns - heard[1]) // _SLOWER)
-        is_settled = now_ns - self._begun_ns >= _SETTLES_NS
+        is_settled = now_ns - self._begun_ns >= self._settles_ns
         return now_ns - max(0, late_ns) - _PATH_NS if is_settled else None
 
     def _begin(self, offset_ns: int, now_ns: int) -> None:
+        is_often = now_ns - self._begun_ns < _OFTEN_NS
+        self._settles_ns = min(2 * self._settles_ns, _SETTLES_AT_MOST_NS) if is_often else _SETTLES_NS
         self._offset_ns, self._begun_ns = offset_ns, now_ns

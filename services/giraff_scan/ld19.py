@@ -5,7 +5,11 @@ angle of the last one, a time in ms, and a CRC-8 with the polynomial 0x4D. Angle
 """
 
 import struct
+from collections.abc import Iterator
 from typing import Final, NamedTuple
+
+from giraff_core.fresh_bytes import FreshBytes
+from giraff_schemas.messages import RobotTime
 
 SIZE: Final = 47
 POINTS: Final = 12
@@ -67,6 +71,16 @@ def packet_length(data: bytearray) -> int:
     if len(data) < SIZE:
         return 0
     return SIZE if crc8(bytes(data[:SIZE])) == 0 else 1
+
+
+def cut_packets(fresh: FreshBytes) -> Iterator[tuple[Packet | None, RobotTime | None]]:
+    """Cut off all that has come; yield each packet with its tick, None for one whose checksum is wrong."""
+    while length := packet_length(fresh.data):
+        is_damaged = length == 1 and fresh.data.startswith(MARK)
+        data, tick = fresh.cut(length)
+        packet = packet_of(data)
+        if packet is not None or is_damaged:
+            yield packet, tick
 
 
 def packet_of(data: bytes) -> Packet | None:

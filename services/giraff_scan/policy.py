@@ -25,6 +25,8 @@ _DARK: Final = 3
 """Turns in a row after which a dark sector tells nothing: black, glass, open space, or a covered window."""
 _TOO_LONG: Final = 1.3
 """Times the length of a turn by the motor's speed, after which its rays do not belong together."""
+_TOO_SHORT: Final = 0.5
+"""Times that length, below which its zero was passed twice: packets may overlap a little."""
 _SPREADS: Final = (0.5, 2.2)
 """Least and most of the angle that a packet covers, of that by its speed: some make 2300 or 5000 points a second."""
 _OFF: Final = 8.0
@@ -106,30 +108,33 @@ class Turns:
         """Take a packet whose last point was measured then; return the turn that ends in it."""
         self._damaged -= _NEWEST * self._damaged
         self.fault = _NOISY if self._damaged > _DAMAGED else _fault_of(packet)
-        last, self._last = self._last, ((packet.start + packet.spread) % 360.0, measured_ns)
+        last, end = self._last, (packet.start + packet.spread) % 360.0
         if self.fault:
-            self._rays = None
+            self._last, self._rays = None, None
             return None
         if last is not None and measured_ns - last[1] < _REMEMBERED_NS:
             expected = last[0] + packet.speed * (measured_ns - last[1]) * 1e-9
-            if abs(math.remainder(self._last[0] - expected, 360.0)) > _OFF:
+            if abs(math.remainder(end - expected, 360.0)) > _OFF:
                 return None  # a damaged one whose checksum is right by chance
+        self._last = end, measured_ns
         if self._rays is not None and (measured_ns - self._begun_ns) * 1e-9 > _TOO_LONG * 360.0 / packet.speed:
             self._rays = None
         ended, before = None, packet.start if last is None else last[0]
         for point, mm in enumerate(packet.ranges):
             angle = (packet.start + packet.spread * point / (POINTS - 1)) % 360.0
             if before > angle + 180.0:
-                ended = self._begin(measured_ns - round(self._last[0] / packet.speed * 1e9), tick)
+                wrapped_ns = measured_ns - round(end / packet.speed * 1e9)
+                if self._rays is None or (wrapped_ns - self._begun_ns) * 1e-9 > _TOO_SHORT * 360.0 / packet.speed:
+                    ended = self._begin(wrapped_ns, tick)
             if self._rays is not None:
-                self._put(int(angle / _STEP), mm)
+                self._put(min(round(angle / _STEP), RAYS - 1), mm)
             before = angle
         return ended
 
     def _put(self, ray: int, mm: int) -> None:
         """Keep the nearest of what one ray has met."""
         rays = self._rays
-        if rays is None or ray >= RAYS:
+        if rays is None:
             return
         known = mm if _NEAREST <= mm <= self._reach else NO_ECHO
         if self._own[ray]:

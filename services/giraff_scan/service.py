@@ -11,7 +11,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_scan.clock import LATE_NS, DeviceClock
 from giraff_scan.config import ScanConfig, scanner_of
-from giraff_scan.ld19 import BAUD, MARK, SIZE, packet_length, packet_of
+from giraff_scan.ld19 import BAUD, cut_packets
 from giraff_scan.policy import Turn, Turns
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.scan import NOT_MEASURED, RAYS, LaserScan, packed, scan_frame
@@ -62,17 +62,13 @@ class Scan:
             self._history.on_odometry(odometry)
         self._fresh.update(now, ticks)
         now_ns = self._io.robot_ns()
-        while length := packet_length(self._fresh.data):
-            data, tick_before = self._fresh.cut(length)
-            packet = packet_of(data) if length == SIZE else None
-            if packet is None and data.startswith(MARK):
+        for packet, tick_before in cut_packets(self._fresh):
+            if packet is None:
                 self._turns.on_damaged()
-            measured_ns = None if packet is None else self._clock.measured_ns(packet.ms, now_ns)
-            if packet is None or measured_ns is None:
-                continue
-            self._heard_ns = measured_ns
-            if (turn := self._turns.add(packet, measured_ns, tick_before)) is not None:
-                self._say(turn)
+            elif (measured_ns := self._clock.measured_ns(packet.ms, now_ns)) is not None:
+                self._heard_ns = measured_ns
+                if (turn := self._turns.add(packet, measured_ns, tick_before)) is not None:
+                    self._say(turn)
         self._report(now_ns)
 
     def end(self) -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Final
 
+from giraff_core.fresh_bytes import FreshBytes
+
 PACKET_S: Final = 12 / 4500
 
 
@@ -24,3 +26,15 @@ def packet(start: float, mm: Sequence[int], ms: int, speed: float = 3600.0, step
     body = b"\x54\x2c" + b"".join(each.to_bytes(2, "little") for each in numbers) + points
     body += b"".join(each.to_bytes(2, "little") for each in tail)
     return body + bytes([crc8(body)])
+
+
+class Buffer(FreshBytes):
+    """Bytes that have come from no port, without ticks."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+
+    def cut(self, length: int) -> tuple[bytes, None]:
+        data = bytes(self.data[:length])
+        del self.data[:length]
+        return data, None

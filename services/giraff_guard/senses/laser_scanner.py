@@ -34,6 +34,7 @@ _MATTERS: Final = math.radians(60.0)
 """rad at the robot's middle, to either side of its way, up to which its rim meets something more than grazing it."""
 
 _FIRST: Final = Trouble("has told one turn, and needs two", "wait")
+_ANOTHER: Final = Trouble("giraff_scan goes by another robot file", "restart it, at rest")
 _LEANS: Final = Trouble("this robot leans, so that it looks at the floor or over what stands there")
 _UNMEASURED: Final = Trouble("nobody has looked for what the robot hides from it", "run giraff calibrate scan")
 
@@ -87,19 +88,21 @@ class LaserScannerSource(Source):
         if scanner.tick is None or age(scanner.tick, tick) > self.live.config.range_budget:
             scanner.turns = 0
             scanner.cells.clear()
-        scanner.tick, scanner.trouble = tick, sample.trouble
-        if sample.trouble:
+        mount = self._mounts[name]
+        is_same = (sample.bearing, sample.step > 0.0) == (mount.yaw, mount.upside_down)
+        scanner.tick, scanner.trouble = tick, sample.trouble or (NO_TROUBLE if is_same else _ANOTHER.of(name))
+        if scanner.trouble:
             scanner.turns = 0
             return ()
         scanner.turns += 1
         begun_ns = tick.robot_ns + round(sample.since_tick * 1e9)
-        self._see(scanner, self._mounts[name], sample, begun_ns, motion)
+        self._see(scanner, mount, sample, begun_ns, motion)
         ended_ns = begun_ns + round(sample.duration * 1e9)
         scanner.place = motion.place_at(ended_ns)
         blind = [_middle(sample, sector) for sector in sample.blind]
         arcs = self._matters[name]
         scanner.blind = [way for way in arcs if any(_within(bearing, arcs[way]) for bearing in blind)]
-        self._forget(scanner, self._mounts[name], sample, ended_ns)
+        self._forget(scanner, mount, sample, ended_ns)
         scanner.points = [(x, y) for _, _, x, y in scanner.cells.values()]
         return ()
 

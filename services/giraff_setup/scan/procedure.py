@@ -72,10 +72,16 @@ def survey(human: Human, stand: ScannedRobot, scanners: Mapping[str, LaserScanne
 
     `radius`: m of the robot's footprint.
     """
-    name = _scans(stand, 1)[0].sensor
+    [scan] = _scans(stand, 1)
+    name = scan.sensor
     if name not in scanners:
         raise StoppedError(f'{name} is heard, and the robot file has no [robot.sensors.{name}] of the type "ld19"')
     filed = scanners[name]
+    if (scan.bearing, scan.step > 0.0) != (filed.yaw, filed.upside_down):
+        raise StoppedError(
+            f"giraff_scan goes by another yaw or upside_down of {name} than this robot file; copy the file to its "
+            "machine, and restart the robot's services at rest"
+        )
     first, place = _rest(stand, filed)
     if (free := _free_ahead(first, filed, radius)) < _ROOM:
         raise StoppedError(
@@ -86,7 +92,7 @@ def survey(human: Human, stand: ScannedRobot, scanners: Mapping[str, LaserScanne
         raise StoppedError("not begun; clear the way, then call it again")
     turns, places, words = [first], [place], list[str]()
     for told, count, step in (
-        ("It turns.", _HEADINGS, Turn(angle=math.tau / _HEADINGS)),
+        ("It turns once round, which takes about a minute.", _HEADINGS, Turn(angle=math.tau / _HEADINGS)),
         ("It drives straight on.", _LEGS, Move(distance=_LEG)),
     ):
         human.show(told)

@@ -60,7 +60,7 @@ class Scanned(Senses):
                 "since_tick": 0.0,
                 "tick": tick,
             }
-            scan = LaserScan(sensor="laser", **place, **fields)
+            scan = LaserScan(sensor="laser", **place | fields)
             self.obstacles.on_sensed(scan, self.now)
             self.judge()
 
@@ -196,6 +196,14 @@ def test_a_fault_of_the_scanner_blocks_every_way_at_once_and_two_turns_end_it() 
     assert "needs two" in senses.verdict().reason.what
     senses.turn()
     assert senses.allowed() > 0.0
+
+
+@pytest.mark.parametrize("told", [{"bearing": LASER.yaw + 0.2}, {"step": math.tau / RAYS}])
+def test_a_scan_by_another_robot_file_blocks(told: dict[str, float]) -> None:
+    senses = opened()
+    senses.turn(0.3, **told)
+    assert senses.allowed() == 0.0
+    assert "another robot file" in senses.verdict().reason.what
 
 
 def test_after_a_silence_it_needs_two_turns_and_nothing_of_before_counts() -> None:

@@ -48,9 +48,9 @@ def test_what_an_adapter_has_held_is_old_or_dropped() -> None:
 
 
 def test_the_same_bytes_again_never_count() -> None:
-    for length in (0.003, 0.05, 0.4, 0.9):
+    for length in (0.003, 0.05, 0.4, 0.9, 1.07, 1.9):
         clock = settled(DeviceClock())
-        for again in range(round(2.0 / length)):
+        for again in range(round(6.0 / length)):
             ages = told(clock, period(0.2, length), delay_ms=1100.0 + 1000.0 * length * again)
             assert ages == [None] * len(ages)
         assert clock.repeated
@@ -61,12 +61,12 @@ def test_after_a_standstill_of_the_process_it_goes_on() -> None:
         assert None not in told(settled(DeviceClock()), period(1100.0 + 1000.0 * seconds, 0.1))
 
 
-def test_another_start_of_the_scanner_is_found_out_and_believed_after_a_second() -> None:
+def test_another_start_of_the_scanner_is_found_out_and_believed_after_two_seconds() -> None:
     for restarted in (0.0, 17_000.0, 29_999.0):
         clock = settled(DeviceClock())
-        ages = told(clock, period(restarted, 1.2), delay_ms=1100.0 + 700.0 - restarted)
-        assert ages[:375] == [None] * 375
-        assert ages[375] is not None
+        ages = told(clock, period(restarted, 2.1), delay_ms=1100.0 + 700.0 - restarted)
+        assert ages[:750] == [None] * 750
+        assert ages[750] is not None
         assert ages[-1] is not None
 
 
@@ -82,3 +82,10 @@ def test_a_clock_that_goes_wrong_by_half_a_percent_is_followed() -> None:
         assert len(known) == len(ages) - 375
         assert min(known) > 4.9
         assert max(known) < 8.0
+
+
+def test_what_was_held_for_longer_than_the_clock_tells_is_not_believed_at_once() -> None:
+    for held in (14_000.0, 16_000.0, 29_999.0, 31_000.0):
+        clock = settled(DeviceClock())
+        ages = told(clock, period(1100.0, 0.3), delay_ms=held)
+        assert ages == [None] * len(ages)

@@ -3,8 +3,8 @@
 import random
 from typing import Final
 
-from giraff_scan.ld19 import SIZE, Packet, packet_length, packet_of
-from tests.support.ld19 import packet
+from giraff_scan.ld19 import SIZE, Packet, cut_packets, packet_of
+from tests.support.ld19 import Buffer, packet
 
 # The example of the manual, "LD19 Development Manual V2.3", section 4: a packet as it came from one.
 MANUALS: Final = bytes.fromhex(
@@ -15,14 +15,11 @@ MANUALS: Final = bytes.fromhex(
 
 def cut(data: bytes) -> list[Packet]:
     """Return the packets in some bytes, which come seven at a time."""
-    buffer, found = bytearray(), []
+    buffer, found = Buffer(), []
     for at in range(0, len(data), 7):
-        buffer += data[at : at + 7]
-        while length := packet_length(buffer):
-            if (each := packet_of(bytes(buffer[:length]))) is not None:
-                found.append(each)
-            del buffer[:length]
-    assert len(buffer) < SIZE
+        buffer.data += data[at : at + 7]
+        found += [packet for packet, _ in cut_packets(buffer) if packet is not None]
+    assert len(buffer.data) < SIZE
     return found
 
 

@@ -84,7 +84,8 @@ class DrawnScanned:
         self.name, self.silent_after = "laser", math.inf
         self.performed: list[Step] = []
         self.wall = 0.9, 0.04
-        self._filed, self._first = filed, float(self.chance.uniform(0.0, math.tau))
+        self._filed, self.turned_since = filed, 0.0
+        """Second: rad by which giraff_scan goes by another yaw than the file."""
         self._true, self._odometry = Pose(0.0, 0.0, 0.0), Pose(3.0, -2.0, 1.0)
         self._scale, self._bend = 1.0 + self.chance.uniform(-0.02, 0.02), self.chance.choice([-_BEND, _BEND])
         self._is_behind = False
@@ -135,13 +136,15 @@ class DrawnScanned:
         elif turns > 1:
             askew = normal(math.pi * self._is_behind, _ASKEW)
             room, true = step_in_a_wall(*self.wall), Pose(normal(0.0, _TAPE), normal(0.0, _TAPE), askew)
-        return [self._told(*self.turn(room, true)) for _ in range(turns)]
+        return [self._told(self.turn(room, true)[1]) for _ in range(turns)]
 
     def turn(self, room: Segments, robot: Pose) -> tuple[Any, Any]:
-        """Return angles (rad, clockwise, in the scanner's frame) and ranges (m; 0: no echo) of one turn."""
-        at, chance = Pose(*self.mount).placed_in(robot), self.chance
-        self._first -= float(chance.uniform(0.0, 0.1))
-        angles = self._first - np.arange(RAYS) * math.tau / RAYS
+        """Return angles (rad, in the scanner's frame) and ranges (m; 0: no echo) of one turn.
+
+        A point is anywhere in the angle that its ray stands for.
+        """
+        at, chance, step = Pose(*self.mount).placed_in(robot), self.chance, self._step
+        angles = (chance.uniform(-0.5, 0.5) + np.arange(RAYS)) * (-step if self.is_mirrored else step)
         true = _cast(room, at.x, at.y, angles + at.yaw + chance.normal(0.0, 0.0015, RAYS))
         if self.posts:
             true = np.minimum(true, _cast(self.posts, 0.0, 0.0, angles))
@@ -151,14 +154,17 @@ class DrawnScanned:
         lost = (true > _REACH) | (seen > _REACH) | (seen < 0.02) | (chance.random(RAYS) < 0.005)
         return angles, np.where(lost, NO_ECHO, seen)
 
-    def _told(self, angles: Any, ranges: Any) -> LaserScan:
+    @property
+    def _step(self) -> float:
+        return math.tau / RAYS * (1.0 if self._filed.upside_down else -1.0)
+
+    def _told(self, ranges: Any) -> LaserScan:
         """Return what giraff_scan says of it, which goes by the file."""
-        sense = -1.0 if self.is_mirrored else 1.0
         return LaserScan(
             sensor=self.name,
             ranges=packed(array("H", np.round(ranges * 1000.0).astype(int).tolist())),
-            bearing=self._filed.yaw + sense * float(angles[0]),
-            step=-sense * math.tau / RAYS,
+            bearing=self._filed.yaw + self.turned_since,
+            step=self._step,
             duration=0.1,
             since_tick=0.01,
             trouble=self.trouble,

@@ -160,6 +160,7 @@ def sets(**values: object) -> Callable[[DrawnScanned], None]:
 
 NOTHING: Final[dict[str, tuple[Callable[[DrawnScanned], None], Mapping[str, Sequence[Answer]], str]]] = {
     "too little room": (sets(room=NARROW), {}, "0.6 m are free ahead by the scan, and it needs 1.5 m"),
+    "services that go by another file": (sets(turned_since=0.1), {}, "goes by another yaw or upside_down of laser"),
     "the way is not free": (sets(), {"ahead of it free": ["no"]}, "clear the way"),
     "a dark room": (sets(room=DARK), {}, "only 0 of 450 rays have an echo"),
     "a silent scanner": (sets(silent_after=0), {}, "the laser scanner is silent"),
