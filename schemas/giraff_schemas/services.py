@@ -142,6 +142,7 @@ RANGER: Final = Service(
 SCAN: Final = Service(
     name="scan",
     host="robot",
+    missing=("fault", "the robot does not see all round, and guard stops it"),
     publishes=(t.SCAN,),
     subscribes=(t.TICK, t.ODOM),
     optional=True,

@@ -24,6 +24,7 @@ from giraff_schemas.messages import (
     Tilt,
     Wheels,
 )
+from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import (
     ATTITUDE,
     BASE,
@@ -94,7 +95,7 @@ class Snapshot:
     def unused(self) -> tuple[str, ...]:
         """Services that the robot does not need: its guard, by the robot file, knows no sensor that they tell of."""
         if self.guard is None or not self.guard.fresh:
-            return ()
+            return tuple(service.name for service in SERVICES if service.extra_device)
         needed = {PUBLISHERS.get(kind) for kind in self.guard.sample.sensor_types.values()}
         return tuple(sorted({*PUBLISHERS.values()} - needed))
 

@@ -27,6 +27,7 @@ from giraff_schemas.services import (
     ROBOT_TABLES,
     ROBOTS_OWN,
     ROLES,
+    SCAN,
     SERVICES,
     SIMULATED,
     WATCHED,
@@ -142,7 +143,7 @@ def test_faults_end_what_drives_the_robot() -> None:
 
 
 def test_doctor_tells_what_follows_where_one_is_missing() -> None:
-    assert {service.name for service in SERVICES if service.missing is not None} == {*ROBOTS_OWN, DOOR.name}
+    assert {service.name for service in SERVICES if service.missing is not None} == {*ROBOTS_OWN, DOOR.name, SCAN.name}
 
 
 @pytest.mark.parametrize("service", TURNING, ids=lambda service: service.name)

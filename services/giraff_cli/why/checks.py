@@ -152,7 +152,7 @@ def _unheard(service: str, theirs: dict[str, HeardSensor], chain: ChainState) ->
         return link_from(service, "ok", chain.guard, "the robot file has no sensor that it reads")
     if service in chain.observation.alive:
         return chain.silent(service, service)
-    how = f"start it on the machine that the {service} board is plugged into"
+    how = "start it on the machine that what it reads is plugged into"
     return Link(name=service, status="missing", text=f"giraff_{service} is not running, or hangs; {how}")
 
 

@@ -17,7 +17,7 @@ def silence(sensor: str, service: str, tick: RobotTime | None, budget: float, no
         return Trouble(f"{sensor} has not been heard yet", f"start giraff_{service}")
     if (old := age(tick, now)) > budget:
         last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
-        return Trouble(f"{sensor} is stale ({last})", f"check giraff_{service} and its board")
+        return Trouble(f"{sensor} is stale ({last})", f"check giraff_{service} and what it reads")
     return NO_TROUBLE
 
 

@@ -60,6 +60,7 @@ ROBOT = Robot(
     seconds=1.5,
     services=dict.fromkeys(SERVICES, 1),
     answers=tuple(answer(service) for service in SERVICES),
+    unused=("scan",),
     rates=(Rate(key="cmd_vel", maker="guard", wanted_hz=50.0, hz=49.0, heard=75),),
     base=base(),
     estop=estop(),

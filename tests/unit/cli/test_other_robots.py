@@ -8,7 +8,7 @@ import pytest
 from giraff_cli.doctor.findings import findings
 from giraff_cli.doctor.robot import CountedTelemetry, rates_of
 from giraff_cli.watch.screen import missing
-from giraff_core.senses import Bumper
+from giraff_core.senses import Bumper, LaserScanner
 from giraff_schemas import topics
 from giraff_schemas.messages import GuardState, SensorState
 from tests.unit.cli.samples import (
@@ -30,10 +30,12 @@ from tests.unit.cli.test_findings import HEALTHY, ROBOT
 STOCK: Final = guard(verdict())
 BLIND: Final = msgspec.structs.replace(STOCK, sensors={})
 BUMPED: Final = msgspec.structs.replace(BLIND, sensors={"front": SensorState(type=Bumper.type_name())})
+SCANNED: Final = msgspec.structs.replace(BLIND, sensors={"laser": SensorState(type=LaserScanner.type_name())})
 FULL: Final = with_bumpers(verdict())
 ALL: Final = ("range/front_left", "range/front_right", "range/rear", "bumper/front", "bumper/back")
 OLD_BOARD: Final = "the ranger board tells nothing of bumpers; flash it"
 MISSED: Final = "giraff_ranger is not running, or hangs: the robot is blind, and guard stops it"
+NO_SCAN: Final = "giraff_scan is not running, or hangs: the robot does not see all round, and guard stops it"
 
 
 def silent(*keys: str) -> list[str]:
@@ -81,6 +83,7 @@ def examined(
         (BUMPED, (10, 10), True, silent("bumper/front")),
         (BUMPED, (10, 10), False, [MISSED]),
         (STOCK, (10, 10), False, [MISSED]),
+        (SCANNED, (10, 10), False, [NO_SCAN]),
         (STOCK, (10, 10), True, silent("range/front_left", "range/front_right", "range/rear")),
     ],
 )
