@@ -12,13 +12,14 @@ from rich.text import Text
 
 from giraff_cli.why import checks as links
 from giraff_cli.why.chain import ChainState, Link, LinkStatus, Observation
+from giraff_core.senses import PUBLISHERS
 from giraff_node import robot_now_ns
 from giraff_node.network.discovery import not_found_text
 from giraff_node.network.replies import ask_all
 from giraff_node.network.tokens import list_robots
 from giraff_node.process.version import version
 from giraff_schemas.health import Health
-from giraff_schemas.services import BASE, GUARD, HANDS
+from giraff_schemas.services import BASE, GUARD, HANDS, SERVICES
 from giraff_schemas.text import printable
 from giraff_schemas.topics import CAMERA_STATE, health_key
 from giraff_telemetry.describe import seen_text
@@ -47,6 +48,9 @@ _STYLES: Final[dict[LinkStatus, str]] = {
 }
 LINKS: Final = ("hand", "operator", "lease", *links.SENSING, "guard", "base", "e-stop", "board", "wheels")
 """From hand to wheel, as they are told."""
+
+_EXTRA: Final = frozenset(service.name for service in SERVICES if service.extra_device)
+"""Links of which nothing is told where the guard knows no sensor of theirs."""
 
 _JUDGES: Final[dict[str, Callable[[ChainState], Link]]] = {
     "operator": links.operator,
@@ -151,7 +155,9 @@ def diagnose(observation: Observation) -> Diagnosis:
     state = ChainState(observation)
     for name, judge in _JUDGES.items():
         state.links[name] = judge(state)
-    chain = tuple(state.links[name] for name in LINKS)
+    types = () if state.guard is None else state.guard.sample.sensor_types.values()
+    unused = _EXTRA - {PUBLISHERS.get(kind, "") for kind in types}
+    chain = tuple(state.links[name] for name in LINKS if name not in unused)
     broken = [link for link in chain if link.breaks]
     drives = state.base is not None and state.base.sample.driving
     return Diagnosis(

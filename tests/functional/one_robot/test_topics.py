@@ -41,6 +41,7 @@ KEYS: Final = {
     *PUBLISHERS,
     "attitude",
     "bumper/*",
+    "scan/*",
     "motion",
     "motion/hold",
     "pose",
@@ -55,7 +56,7 @@ KEYS: Final = {
     "serial/*",
     "serial_write/*",
 }
-"""All that a list has. Nothing leans. No bumper, motion, localization, camera, vision, gateway nor run is there."""
+"""All that a list has. Nothing leans. Only base, guard, ranger, odometry and joystick are there."""
 
 
 def is_whole_list(rows: Any) -> bool:

@@ -108,6 +108,11 @@ def test_why_blames_no_sensor_that_the_robot_has_not(sensors: GuardState, ends: 
     assert chain.put(topics.GUARD, sensors, "g").diagnosis().stopped_by == blamed
 
 
+def test_why_has_a_line_for_a_scanner_that_the_guard_knows() -> None:
+    chain = Scene().put(topics.GUARD, SCANNED, "g").diagnosis()
+    assert (chain.stopped_by, next(link.status for link in chain.links if link.name == "scan")) == ("scan", "missing")
+
+
 def test_why_says_what_a_bumper_does_and_which_is_not_heard() -> None:
     chain = Scene().put(topics.GUARD, FULL, "g")
     chain.put(topics.BUMPER, bump("front", pressed=True), "r", "front")
