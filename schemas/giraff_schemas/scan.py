@@ -13,6 +13,12 @@ RAYS: Final = 450
 """Rays of a turn, whatever the speed of the motor."""
 SECTORS: Final = 36
 """Sectors of a turn, of 10 degrees each."""
+SECTOR_RAYS: Final = tuple(
+    range(-(-sector * RAYS // SECTORS), -(-(sector + 1) * RAYS // SECTORS)) for sector in range(SECTORS)
+)
+"""Numbers of the rays of each sector: twelve or thirteen."""
+NEAREST: Final = 60
+"""mm. An answer from nearer comes from dirt on the window."""
 NO_ECHO: Final = 0
 """A ray that met nothing, in `LaserScan.ranges`."""
 OWN: Final = 0x8000

@@ -32,8 +32,8 @@ class DeviceClock:
         """Packets that were dropped for their age."""
         self.repeated = 0
         """Packets that were dropped because their time does not go on."""
-        self._offset_ns: int | None = None
-        """Robot's time minus the scanner's, at the earliest arrival; None: the clock begins anew."""
+        self._offset_ns = 0
+        """Robot's time minus the scanner's, at the earliest arrival."""
         self._begun_ns = -_OFTEN_NS
         self._settles_ns = _SETTLES_NS
         self._heard: tuple[int, int] | None = None  # ms and robot's ns of the newest packet
@@ -42,7 +42,7 @@ class DeviceClock:
         """Return the robot's time at which a packet was measured; None: it must not count. `now_ns`: robot's time."""
         heard, self._heard = self._heard, (ms, now_ns)
         offset_ns = now_ns - ms * 1_000_000
-        if heard is None or self._offset_ns is None or now_ns - heard[1] > _LOST_NS:
+        if heard is None or now_ns - heard[1] > _LOST_NS:
             self._begin(offset_ns, now_ns)
             return None
         late_ns = (offset_ns - self._offset_ns + _WRAPS_NS // 2) % _WRAPS_NS - _WRAPS_NS // 2

@@ -8,17 +8,15 @@ from typing import Final, NamedTuple
 from giraff_core.senses import LaserScanner
 from giraff_scan.ld19 import POINTS, POINTS_PER_S, Packet
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.scan import NO_ECHO, NOT_MEASURED, OWN, RAYS, SECTORS
+from giraff_schemas.scan import NEAREST, NO_ECHO, NOT_MEASURED, OWN, RAYS, SECTOR_RAYS, SECTORS
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _STEP: Final = 360.0 / RAYS
 _SLOWEST: Final = 7.0
 _FASTEST: Final = 13.0
 """Turns a second. The maker allows 5, but then a turn is older than the guard may go by before the next one comes."""
-_NEAREST: Final = 60
-"""mm. What is nearer lies on the window."""
 _MEASURED: Final = 0.3
-"""Share of a sector's rays that must have come in this turn. Else what is known of it is older than 0.15 s."""
+"""Share of a sector's rays that must have come in this turn. Older rays of it are over 0.15 s old."""
 _ANSWERED: Final = 0.3
 """Share of them that must meet something, or the sector is dark."""
 _DARK: Final = 3
@@ -26,17 +24,16 @@ _DARK: Final = 3
 _TOO_LONG: Final = 1.3
 """Times the length of a turn by the motor's speed, after which its rays do not belong together."""
 _TOO_SHORT: Final = 0.5
-"""Times that length, below which its zero was passed twice: packets may overlap a little."""
+"""Times that length. In less than this, the zero was only passed twice: packets may overlap a little."""
 _SPREADS: Final = (0.5, 2.2)
 """Least and most of the angle that a packet covers, of that by its speed: some make 2300 or 5000 points a second."""
 _OFF: Final = 8.0
-"""deg by which a packet may begin elsewhere than where the last one says: the clock has steps of 1 ms."""
+"""deg between the place where a packet ends and the one that the packet before tells: the clock has steps of 1 ms."""
 _REMEMBERED_NS: Final = 100_000_000
 _NEWEST: Final = 0.03
 """Share of the newest packet in the share of those that are damaged, which is that of about one turn."""
 _DAMAGED: Final = 0.1
 """Share of damaged packets from which on none counts: the checksum of one byte passes one in 256 of them."""
-_SECTOR_OF: Final = tuple(ray * SECTORS // RAYS for ray in range(RAYS))
 
 _NOISY: Final = Trouble("more than a tenth of its packets are damaged", "check its cable, and what runs beside it")
 _HELD: Final = Trouble("its motor is held, or turns at another speed than it says", "free it, or replace it")
@@ -62,23 +59,17 @@ class Sectors:
 
     def __init__(self, own: Sequence[bool]) -> None:
         """`own`: whether the robot's own parts are in the way of a ray."""
-        self._seen = [0] * SECTORS
-        for ray, hidden in enumerate(own):
-            self._seen[_SECTOR_OF[ray]] += not hidden
+        self._seen = [sum(not own[ray] for ray in rays) for rays in SECTOR_RAYS]
         self._dark = [0] * SECTORS
 
     def blind(self, ranges: "array[int]") -> tuple[int, ...]:
         """Return the numbers of those that tell nothing. What the robot hides entirely is no such sector."""
-        measured, answered = [0] * SECTORS, [0] * SECTORS
-        for ray, mm in enumerate(ranges):
-            if mm < OWN:
-                measured[_SECTOR_OF[ray]] += 1
-                answered[_SECTOR_OF[ray]] += mm > NO_ECHO
         found = []
-        for sector, seen in enumerate(self._seen):
-            is_dark = answered[sector] < _ANSWERED * measured[sector]
+        for sector, rays in enumerate(SECTOR_RAYS):
+            measured = [mm for mm in ranges[rays.start : rays.stop] if mm < OWN]
+            is_dark = len(measured) - measured.count(NO_ECHO) < _ANSWERED * len(measured)
             self._dark[sector] = self._dark[sector] + 1 if is_dark else 0
-            if measured[sector] < _MEASURED * seen or self._dark[sector] >= _DARK:
+            if len(measured) < _MEASURED * self._seen[sector] or self._dark[sector] >= _DARK:
                 found.append(sector)
         return tuple(found)
 
@@ -136,7 +127,7 @@ class Turns:
         rays = self._rays
         if rays is None:
             return
-        known = mm if _NEAREST <= mm <= self._reach else NO_ECHO
+        known = mm if NEAREST <= mm <= self._reach else NO_ECHO
         if self._own[ray]:
             known |= OWN
         before = rays[ray]

@@ -46,7 +46,7 @@ FAULTS: Final[dict[str, Begin]] = {
 
 
 class Reaction(NamedTuple):
-    """What became of one fault."""
+    """Outcome of one fault."""
 
     steady: float
     """m/s. Smallest command shortly before the fault."""

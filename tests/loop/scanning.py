@@ -147,7 +147,7 @@ def touches(robot: Scanned, seconds: float) -> Iterator[float]:
 
 
 class Drive(NamedTuple):
-    """What became of a drive."""
+    """Outcome of a drive."""
 
     touches: list[float]
     """Speed of each, m/s."""

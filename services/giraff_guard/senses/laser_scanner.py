@@ -17,7 +17,7 @@ from giraff_guard.limits import SIGN, DriveDirection, Limits
 from giraff_guard.motion import RecentTravel
 from giraff_guard.source import Beam, Points, Sight, Source
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.scan import NO_ECHO, OWN, RAYS, SECTORS, LaserScan
+from giraff_schemas.scan import NO_ECHO, OWN, RAYS, SECTOR_RAYS, SECTORS, LaserScan
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _TURNS: Final = 2
@@ -25,13 +25,13 @@ _TURNS: Final = 2
 _KEPT_S: Final = 0.35
 """s for which a point counts: three turns, since a thin leg is not met by each."""
 _CELL: Final = 0.04
-"""m. Of points so near to each other the one nearest to the scanner counts."""
+"""m. Side of a cell of the floor, in which the point that is nearest to the scanner counts."""
 _SPREAD: Final = 0.02
 """m around a point: twice the noise of a range."""
 _SLACK: Final = 0.3
 """m that the robot may come nearer while a turn counts."""
 _MATTERS: Final = math.radians(60.0)
-"""rad at the robot's middle, to either side of its way, up to which its rim meets something more than grazing it."""
+"""rad at the robot's middle, to either side of its way. Farther aside its rim can only graze something."""
 
 _FIRST: Final = Trouble("has told one turn, and needs two", "wait")
 _ANOTHER: Final = Trouble("giraff_scan goes by another robot file", "restart it, at rest")
@@ -164,27 +164,25 @@ class LaserScannerSource(Source):
         """Put what each ray has met where it is."""
         unit, cells = self._unit(sample), scanner.cells
         far, inside = round(1000.0 * (self._far + math.hypot(mount.x, mount.y))), self._robot.footprint_radius
-        rays, ray_ns = sample.rays(), sample.duration * 1e9 / RAYS
-        cos = sin = x = y = 0.0
-        sector_ns = 0
-        place = Pose(0.0, 0.0, 0.0)
-        for ray, mm in enumerate(rays):
-            if ray * SECTORS % RAYS < SECTORS:  # a sector begins: the robot's place is told anew
-                sector_ns = begun_ns + round((ray + RAYS / SECTORS / 2.0) * ray_ns)
-                place = motion.place_at(sector_ns)
-                cos, sin = math.cos(place.yaw), math.sin(place.yaw)
-                x, y = place.x + cos * mount.x - sin * mount.y, place.y + sin * mount.x + cos * mount.y
-            if not NO_ECHO < mm < OWN or mm > far:
-                continue
-            along, across = unit[ray]
-            seen_x = x + mm * (cos * along - sin * across)
-            seen_y = y + mm * (sin * along + cos * across)
-            if mount.own is None and math.hypot(seen_x - place.x, seen_y - place.y) < inside:
-                continue  # the robot's own parts, of which nobody knows yet
-            cell = round(seen_x / _CELL), round(seen_y / _CELL)
-            known = cells.get(cell)
-            if known is None or known[0] < begun_ns or mm < known[1]:
-                cells[cell] = sector_ns, mm, seen_x, seen_y
+        mms, ray_ns = sample.rays(), sample.duration * 1e9 / RAYS
+        for rays in SECTOR_RAYS:
+            sector_ns = begun_ns + round((rays.start + rays.stop) / 2.0 * ray_ns)
+            place = motion.place_at(sector_ns)
+            cos, sin = math.cos(place.yaw), math.sin(place.yaw)
+            x, y = place.x + cos * mount.x - sin * mount.y, place.y + sin * mount.x + cos * mount.y
+            for ray in rays:
+                mm = mms[ray]
+                if not NO_ECHO < mm < OWN or mm > far:
+                    continue
+                along, across = unit[ray]
+                seen_x = x + mm * (cos * along - sin * across)
+                seen_y = y + mm * (sin * along + cos * across)
+                if mount.own is None and math.hypot(seen_x - place.x, seen_y - place.y) < inside:
+                    continue  # the robot's own parts, of which nobody knows yet
+                cell = round(seen_x / _CELL), round(seen_y / _CELL)
+                known = cells.get(cell)
+                if known is None or known[0] < begun_ns or mm < known[1]:
+                    cells[cell] = sector_ns, mm, seen_x, seen_y
 
     def _unit(self, sample: LaserScan) -> list[Point]:
         """Return 1 mm along each ray, in m of `base_link`."""

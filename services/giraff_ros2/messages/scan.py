@@ -7,10 +7,7 @@ from rosbags.typesys.stores.ros2_kilted import sensor_msgs__msg__LaserScan as Ro
 
 from giraff_core.senses import LaserScanner
 from giraff_ros2.messages.header import header, single
-from giraff_schemas.scan import NO_ECHO, OWN, RAYS, LaserScan, scan_frame
-
-_NEAREST = 0.06
-"""m. Nearer answers lie on the scanner's window."""
+from giraff_schemas.scan import NEAREST, NO_ECHO, OWN, RAYS, LaserScan, scan_frame
 
 
 def laser_scan(sample: LaserScan, scanner: LaserScanner) -> RosLaserScan:
@@ -32,7 +29,7 @@ def laser_scan(sample: LaserScan, scanner: LaserScanner) -> RosLaserScan:
         angle_increment=single(step),
         time_increment=0.0,
         scan_time=single(sample.duration),
-        range_min=_NEAREST,
+        range_min=NEAREST / 1000,
         range_max=scanner.reach,
         ranges=metres.astype(np.float32),
         intensities=np.zeros(0, dtype=np.float32),

@@ -153,7 +153,7 @@ def mount_by_step(turns: Sequence[ScanTurn], distance: float, rough: Mount, *, i
     """Return the mount by turns before a wall with a step. Raises UntoldError.
 
     The robot stands square before the wall, which is `distance` m from its origin, or with its back to it
-    (`is_behind`). A step (a book) covers the wall to the left of whoever looks at it from the robot, and its edge lies
+    (`is_behind`). A step (a book) covers the wall to the left, seen from the robot, and its edge lies
     on the robot's x axis. A bias of the ranges makes x so much smaller, with the back to the wall larger. `rough`: the
     mount by another way.
     """
