@@ -33,10 +33,16 @@ $(FROM)/registers/%.o: avr/%.c $(MAKEFILE_LIST)
 	$(COMPILE)
 $(FROM)/registers/%.o: boards/$(BOARD)/%.S $(MAKEFILE_LIST)
 	$(COMPILE)
+ifneq ($(FAMILY),)
+$(FROM)/registers/%.o: avr/$(FAMILY)/%.c $(MAKEFILE_LIST)
+	$(COMPILE)
+$(FROM)/registers/%.o: avr/$(FAMILY)/%.S $(MAKEFILE_LIST)
+	$(COMPILE)
+endif
 
 .PHONY: check
 check:
 	$(CHECK) --platform=avr8 --library=avr -D__AVR__ -DF_CPU=$(HZ) common $(FIRMWARE) boards/$(BOARD) \
-		$(wildcard $(patsubst %,avr/%.c,$(SHARED) $(REGISTERS)))
+		$(wildcard $(foreach folder,avr $(FAMILY:%=avr/%),$(patsubst %,$(folder)/%.c,$(SHARED) $(REGISTERS))))
 
 -include $(OBJECTS:.o=.d)

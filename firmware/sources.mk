@@ -15,14 +15,19 @@ joystick_PROGRAM := bno055 bus joystick tick
 ranger_PROGRAM := bumpers echo ranger sonars tick
 PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM)
 
+# Boards that share registers name their folder of avr/ as FAMILY, and say by DEFINES what differs.
+FAMILY ?=
+DEFINES ?=
+
 # A board with a wire of its own says which header declares it. Asked for once, and only where something is compiled.
 HASH = $(eval HASH := $$(shell $$(PYTHON) generate_codec.py --hash $$(PROTOCOL)))$(or \
 	$(HASH),$(error generate_codec.py gave no protocol hash))
 
 FLAGS = -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wundef \
-	-fno-common -MMD -MP -Icommon -I$(FIRMWARE) -Iboards/$(BOARD) -DPROTOCOL_HASH=$(HASH)UL
+	-fno-common -MMD -MP -Icommon -I$(FIRMWARE) -Iboards/$(BOARD) $(FAMILY:%=-Iavr/%) $(DEFINES) \
+	-DPROTOCOL_HASH=$(HASH)UL
 
-CHECK = $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) -DPROTOCOL_HASH=$(HASH) \
+CHECK = $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) $(DEFINES) -DPROTOCOL_HASH=$(HASH) \
 	--enable=warning,style,performance,portability --suppress=missingIncludeSystem
 
 # This folder and the sources in it that a program was built from: the simulator refuses one that is older than they are.

@@ -16,6 +16,7 @@ from giraff_schemas.wire import (
     HelloRequestFrame,
 )
 from giraff_schemas.wires import balancer as balancer_wire
+from giraff_schemas.wires import boards as other_boards
 from giraff_schemas.wires import bumper as bumper_wire
 from giraff_schemas.wires import transitions as transitions_wire
 
@@ -41,6 +42,8 @@ class BoardType(NamedTuple):
     eeprom_bytes: int = 4096
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
+    chosen_in: str = ""
+    """Table of the robot file whose `board` chooses among the boards that run the same program; empty: it runs alone."""
     has_programmer: bool = False
     """It is written by a programmer on its ISP connector, not through its serial port."""
 
@@ -55,15 +58,33 @@ BASE_BOARD: Final = BoardType(
     BASE_BAUD,
     frames=FRAME_CLASSES | transitions_wire.FRAME_CLASSES,
     eeprom_bytes=2048,
+    chosen_in="[base.drive]",
     has_programmer=True,
 )
 JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD, eeprom_bytes=1024)
 RANGER_BOARD: Final = BoardType(
-    "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES
+    "ranger",
+    BoardKind.RANGER,
+    RANGER_BAUD,
+    frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES,
+    chosen_in="[ranger]",
+)
+NANO_RANGER_BOARD: Final = RANGER_BOARD._replace(
+    name="nano_ranger", number=other_boards.NANO_RANGER_BOARD, eeprom_bytes=1024
 )
 ARDROS_BOARD: Final = BoardType(
-    "ardros", BoardKind.BASE, BASE_BAUD, output_delay_us=22_000, most_counts=54_000, has_potentiometer=True
+    "ardros",
+    other_boards.ARDROS_BOARD,
+    BASE_BAUD,
+    output_delay_us=22_000,
+    most_counts=54_000,
+    chosen_in="[base.drive]",
+    has_potentiometer=True,
 )
+MEGA_L298N_BOARD: Final = BoardType(
+    "mega_l298n", other_boards.MEGA_L298N_BOARD, BASE_BAUD, most_counts=54_000, chosen_in="[base.drive]"
+)
+MEGA_BTS7960_BOARD: Final = MEGA_L298N_BOARD._replace(name="mega_bts7960", number=other_boards.MEGA_BTS7960_BOARD)
 BALANCER_BOARD: Final = BoardType(
     "balancer",
     balancer_wire.BALANCER_BOARD,
@@ -72,4 +93,12 @@ BALANCER_BOARD: Final = BoardType(
     frames={frame.type: frame for frame in (HelloFrame, HelloRequestFrame)} | balancer_wire.FRAME_CLASSES,
 )
 BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
-"""By the role that a board has for a stock robot. Another drive may name another board for base."""
+"""By the role that a board has for a stock robot. A robot file may choose another one for base and for ranger."""
+ALL_BOARDS: Final = (
+    *BOARDS.values(),
+    BALANCER_BOARD,
+    ARDROS_BOARD,
+    MEGA_L298N_BOARD,
+    MEGA_BTS7960_BOARD,
+    NANO_RANGER_BOARD,
+)

@@ -1,8 +1,9 @@
 #ifndef GIRAFF_BOARD_H
 #define GIRAFF_BOARD_H
+#include "boards.h"
 #include "protocol.h"
 
-#define BOARD_KIND BOARD_BASE
+#define BOARD_KIND ARDROS_BOARD
 #define BAUD 115200UL               /* for the preprocessor */
 #define BAUD_TOL 3                  /* 117647 at 16 MHz, 2.1 % more: the Mega's own USB chip makes the same of it */
 _Static_assert(BAUD == BASE_BAUD, "the wire's baud is declared in protocol.h");

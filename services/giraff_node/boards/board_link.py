@@ -4,7 +4,7 @@ from math import inf
 from typing import Final
 
 from giraff_node.boards.serial_link import SerialLink
-from giraff_schemas.boards import BOARDS, BoardType
+from giraff_schemas.boards import ALL_BOARDS, BoardType
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
@@ -67,7 +67,7 @@ class BoardLink:
         """Why there are no frames; NO_TROUBLE when there may be."""
         if self._reporting:
             return self._serial.fault or self.mismatch
-        waits = Trouble(f"{self._serial.path}: no reports from a {_role(self.board.number)} board yet")
+        waits = Trouble(f"{self._serial.path}: no reports from a {self.board.name} board yet")
         return self._serial.fault or self.mismatch or self._silence or waits
 
     @property
@@ -160,8 +160,13 @@ class BoardLink:
     def _judge(self, hello: HelloFrame) -> Trouble:
         path = self._serial.path
         if hello.board != self.board.number:
-            there, role = _role(hello.board), _role(self.board.number)
-            return Trouble(f"{path}: a {there} board is there, not a {role} board", "swap the ports")
+            there = _board_of(hello.board)
+            name = f"kind {hello.board}" if there is None else there.name
+            told = f"{path}: a {name} board is there, not a {self.board.name} board"
+            if there is None or there.chosen_in != self.board.chosen_in:
+                return Trouble(told, "swap the ports")
+            chosen = f'write board = "{name}" into {there.chosen_in} if that one is right'
+            return Trouble(told, f"{chosen}; else flash it: {self.board.flash_command(path)}")
         ours = self.board.protocol_hash
         if hello.protocol_hash != ours:
             return Trouble(
@@ -171,6 +176,5 @@ class BoardLink:
         return NO_TROUBLE
 
 
-def _role(number: int) -> str:
-    """Return what a board of this number is for, in a word."""
-    return next((each.name for each in BOARDS.values() if each.number == number), f"kind {number}")
+def _board_of(number: int) -> BoardType | None:
+    return next((board for board in ALL_BOARDS if board.number == number), None)

@@ -9,12 +9,12 @@ from giraff_base.drives.wheel_wiring import CHECK_THEM, WheelWiring
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
-from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD, BoardType
+from giraff_schemas.boards import ALL_BOARDS, BASE_BOARD, BoardType
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
-_BOARDS: Final = {board.name: board for board in (BASE_BOARD, ARDROS_BOARD)}
-BoardName = Literal["base", "ardros"]
+_BOARDS: Final = {board.name: board for board in ALL_BOARDS if board.chosen_in == BASE_BOARD.chosen_in}
+BoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960"]
 """A board for which `firmware/base` is built: its folder in `firmware/boards`."""
 WheelControl = Literal["level", "speed"]
 """`level`: open loop, a level stands for a speed. `speed`: the board's loops hold what is asked."""
@@ -99,7 +99,7 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
 
     board: BoardName = "base"
     """What drives the motors and counts the edges: an ATmega644 with two H bridges, or an Arduino Mega with servo
-    pulses. Nothing on the wire tells one from the other."""
+    pulses (`ardros`), an L298N or TB6612FNG (`mega_l298n`), or two BTS7960 (`mega_bts7960`)."""
     max_level: Annotated[int, Bounds(1, 255)]
     """Largest PWM level asked of a motor, of 255: the one that stands for `max_wheel_speed`."""
     battery_volts_per_count: Annotated[float, Bounds(0.0, 0.5, "V")] = 0.0

@@ -1,0 +1,10 @@
+/* Two BTS7960 modules, as the IBT-2: each motor has an input for PWM in either direction. */
+#ifndef GIRAFF_BTS7960_H
+#define GIRAFF_BTS7960_H
+
+#define BOARD_KIND MEGA_BTS7960_BOARD
+
+#define EACH_PWM_PIN(do) do(MOTOR_0_RPWM) do(MOTOR_0_LPWM) do(MOTOR_1_RPWM) do(MOTOR_1_LPWM)
+#define EACH_OUTPUT(do) EACH_PWM_PIN(do) do(ENABLE)
+
+#endif
