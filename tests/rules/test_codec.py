@@ -11,6 +11,7 @@ HEADERS = tuple(
     Path("firmware") / name
     for name in (
         "common/protocol.h",
+        "common/boards.h",
         "base/transitions_protocol.h",
         "ranger/bumper_protocol.h",
         "balancer/balancer_protocol.h",
@@ -19,7 +20,7 @@ HEADERS = tuple(
 GENERATOR = Path("firmware/generate_codec.py")
 CODECS = tuple(
     Path("schemas/giraff_schemas") / name
-    for name in ("wire.py", "wires/transitions.py", "wires/bumper.py", "wires/balancer.py")
+    for name in ("wire.py", "wires/boards.py", "wires/transitions.py", "wires/bumper.py", "wires/balancer.py")
 )
 
 

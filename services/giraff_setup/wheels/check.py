@@ -21,6 +21,9 @@ from giraff_setup.wheels.wiring import (
     Side,
     Turned,
     encoder_of,
+    encoder_that_counted,
+    require_both_ways,
+    require_no_motion,
     require_right,
     wiring_of,
 )
@@ -94,7 +97,7 @@ def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
     for name, is_set in fields.items():
         if is_set:
             wiring |= Wiring[name.upper()]
-    human.show("Found. Now the proof: each wheel forward, with the wiring that was found.")
+    human.show("Found. Now the proof: each wheel forward and then backward, with the wiring that was found.")
     for side in SIDES:
         counted, latch = bench.drive(wiring, levels_of(side, level), _DRIVE_TIME, level)
         if latch != Latch.NONE:
@@ -102,12 +105,15 @@ def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
         require_right(side, counted)
         if _choice(human, f"Did the {side} wheel turn forward, and only that one?", ("yes", "no")) == "no":
             raise DoubtError("the proof does not agree with the answers before it; go through it again")
+        counted, latch = bench.drive(wiring, levels_of(side, -level), _DRIVE_TIME, level)
+        require_both_ways(f"the {side} wheel", counted, latch)
     return fields
 
 
 def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> MotorResponse:
     """Drive the motor that is wired as `side`, with nothing inverted, and ask what happened."""
-    human.show(f"The {'first' if side == 'left' else 'second'} motor turns one wheel for a second. Look at both.")
+    motor = f"the {'first' if side == 'left' else 'second'} motor"
+    human.show(f"{motor.capitalize()} turns one wheel for a second. Look at both.")
     wiring, counted = Wiring(0), Counted(0, 0)
     while True:
         counted, latch = bench.drive(wiring, levels_of(side, level), _DRIVE_TIME, _NOT_JUDGED)
@@ -125,6 +131,9 @@ def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> MotorResp
     )
     human.show(f"The encoders counted {counted.left} and {counted.right}.")
     seen = _ask_what_turned(human, counted)
+    if seen.wheel == "none" and encoder_that_counted(counted) is None:
+        human.show("It is tried backward, for a second.")
+        require_no_motion(motor, bench.drive(wiring, levels_of(side, -level), _DRIVE_TIME, _NOT_JUDGED)[0])
     encoder_of(seen)  # in doubt already
     return seen
 

@@ -3,6 +3,7 @@
 from typing import Final, Literal, NamedTuple, Self
 
 from giraff_core.robot import WIRING
+from giraff_schemas.wire import Latch
 
 Side = Literal["left", "right"]
 Turned = Literal["left", "right", "both", "none"]
@@ -11,6 +12,11 @@ SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
 _TURNED: Final = 0.005  # m of its rim, at least, of a wheel that turned
 _FEWEST: Final = 10  # ticks: one that trembles on an edge counts one or two
+
+
+_ONE_WAY: Final = (
+    "check the wires of its driver's direction inputs for a break or a short, and whether a half of the driver is dead"
+)
 
 
 class DoubtError(Exception):
@@ -82,6 +88,18 @@ def require_right(side: Side, counted: Counted) -> None:
             f"with the wiring that was found, driving the {side} wheel forward counted {counted.left} left and "
             f"{counted.right} right; an answer was wrong, or a plug is loose: go through it again"
         )
+
+
+def require_both_ways(wheel: str, backward: Counted, latch: Latch) -> None:
+    """DoubtError unless a wheel that turns forward has turned as far when it was driven backward."""
+    if latch != Latch.NONE or encoder_that_counted(backward) is None:
+        raise DoubtError(f"{wheel} turns forward and not backward; {_ONE_WAY}")
+
+
+def require_no_motion(motor: str, backward: Counted) -> None:
+    """DoubtError where a motor that did not turn forward turns backward."""
+    if encoder_that_counted(backward) is not None:
+        raise DoubtError(f"{motor} turns backward and not forward; {_ONE_WAY}")
 
 
 def encoder_of(seen: MotorResponse) -> Side:

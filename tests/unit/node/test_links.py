@@ -13,7 +13,7 @@ import serial
 
 from giraff_node.boards.board_link import SILENCE, BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
-from giraff_schemas.boards import RANGER_BOARD
+from giraff_schemas.boards import NANO_RANGER_BOARD, RANGER_BOARD
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, TickFrame
@@ -245,6 +245,10 @@ def test_hello_is_asked_for_until_it_is_answered(port: FakePort, ranger: BoardLi
         (msgspec.structs.replace(HELLO, protocol_hash=1), "reflash"),
         (msgspec.structs.replace(HELLO, board=BoardKind.BASE), "a base board is there, not a ranger board"),
         (msgspec.structs.replace(HELLO, board=77), "a kind 77 board is there"),
+        (
+            msgspec.structs.replace(HELLO, board=NANO_RANGER_BOARD.number),
+            'a nano_ranger board is there, not a ranger board; write board = "nano_ranger" into [ranger]',
+        ),
     ],
 )
 def test_the_wrong_board_is_refused_and_named(port: FakePort, ranger: BoardLink, hello: HelloFrame, says: str) -> None:

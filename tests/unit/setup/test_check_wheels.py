@@ -24,6 +24,7 @@ class Bench:
 
     truth = Wiring(0)
     latch = Latch.NONE
+    dead: Levels | None = None  # nothing turns when this is asked, as where a direction wire is off
     trouble: BaseException | None = None
     made: "ClassVar[Bench]"
 
@@ -45,16 +46,18 @@ class Bench:
         self.drives.append(levels)
         side = 0 if levels.left else 1
         assert not levels[1 - side], "one at a time"
+        if levels == self.dead:
+            return Counted(0, 0), Latch.LEFT_STUCK if stall_level <= LEVEL else Latch.NONE
         motor = side ^ int(Wiring.SWAP_MOTORS in wiring)
         wheel = motor ^ int(Wiring.SWAP_MOTORS in self.truth)
-        forward = has(wiring, side, "MOTOR") == has(self.truth, wheel, "MOTOR")
+        forward = (has(wiring, side, "MOTOR") == has(self.truth, wheel, "MOTOR")) == (levels[side] > 0)
         encoder = wheel ^ int(Wiring.SWAP_ENCODERS in self.truth)
         counter = encoder ^ int(Wiring.SWAP_ENCODERS in wiring)
         counts_up = forward != (has(self.truth, wheel, "ENCODER") != has(wiring, counter, "ENCODER"))
         counted = [0, 0]
         counted[counter] = 400 if counts_up else -400
-        if counter == side and not counts_up:
-            counted[counter] = -40
+        if counter == side and counts_up != (levels[side] > 0):
+            counted[counter] //= 10
             return Counted(*counted), (Latch.LEFT_OPPOSITE, Latch.RIGHT_OPPOSITE)[side]
         judged = stall_level <= LEVEL and counter != side
         return Counted(*counted), Latch.LEFT_STUCK if judged else self.latch
@@ -71,7 +74,7 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     copy.write_text(stock.replace('type = "wheels"', 'type = "wheels"\nboard = "ardros"'))
     monkeypatch.setenv("GIRAFF_CONFIG", str(copy))
     monkeypatch.setattr(check_wheels, "WheelBench", Bench)
-    for name in ("truth", "latch", "trouble"):
+    for name in ("truth", "latch", "dead", "trouble"):
         monkeypatch.setattr(Bench, name, getattr(Bench, name))
     monkeypatch.setattr("signal.signal", lambda *_: None)
     return copy
@@ -172,6 +175,29 @@ def test_a_board_in_trouble_writes_nothing(
     assert told in capsys.readouterr().err
     assert path.read_bytes() == before
     assert Bench.made.closed
+
+
+@pytest.mark.parametrize(
+    ("dead", "answers", "told"),
+    [
+        (Levels(0, LEVEL), ["lifted", "left", "forward", "none"], "the second motor turns backward and not forward"),
+        (Levels(0, -LEVEL), honest(Wiring(0)), "the right wheel turns forward and not backward"),
+    ],
+)
+def test_a_driver_that_drives_one_way_alone_is_named(
+    dead: Levels,
+    answers: list[str],
+    told: str,
+    path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    before = path.read_bytes()
+    monkeypatch.setattr(Bench, "dead", dead)
+    answer(monkeypatch, *answers)
+    assert check_wheels.check_wheels("port") == 1
+    assert f"{told}; check the wires of its driver's direction inputs" in capsys.readouterr().err
+    assert path.read_bytes() == before
 
 
 def refuse(*_: object) -> None:
