@@ -27,6 +27,10 @@ struct motor_model {
     int drive_peak;         /* out: largest |duty| since the world last zeroed it: no pulse is too short to be seen */
     int encoder_cut;        /* in: 1 = the encoder's wires are cut, its pins stay as they are */
     int signal_cut;         /* in: 1 = the wire from a servo output to the motor driver is off; no other board has it */
+    unsigned inputs_high;   /* in: these inputs of the motor driver are shorted to 5 V; bits in the order of base PWM, PHASE;
+                             * of mega_l298n PWM, IN1, IN2; of mega_bts7960 RPWM, LPWM, R_EN, L_EN */
+    unsigned inputs_low;    /* in: the wires of these are off, against pull-downs, or their half of the driver is dead.
+                             * The host's code, and other boards, have neither */
     double pulse_us;        /* out: width of the newest whole pulse at a servo output's pin; 0 = none yet */
     const struct encoder_disk *disk;    /* in: the disk that the encoder reads; NULL = ideal quadrature, an edge a state */
     int64_t states;         /* out: edges sent to the pins so far, forward positive */
@@ -50,7 +54,8 @@ struct board_model {
     double driver_volts;    /* in: at the terminals of a motor driver on a serial line */
     int driver_line_cut;    /* in: 1 = the serial line to it is off */
     int driver_wakes;       /* out: how often a byte has set its baud; in: 0 after its power was off */
-    int driver_open;        /* out: 1 = its bridges are open and the motors turn freely; at duty 0 it brakes otherwise */
+    int driver_open;        /* out: 1 = its bridges are open and the motors turn freely; at duty 0 it brakes otherwise.
+                             * On a Mega with an L298N or BTS7960: ENABLE is low. The host's code tells nothing of it */
     int cord_pulled;        /* in: 1 = the driver's emergency input is low, and the board's own pin tells so */
     unsigned tx_len;        /* out: bytes that board_uart_read would give */
     unsigned rx_free;       /* out: room for board_uart_write */

@@ -4,17 +4,62 @@
 #include "inside.h"
 
 enum { COMPARE_CLEAR = 2, COMPARE_SET = 3 };    /* COM bits: non-inverting, inverting */
+enum { FULL = 255 };
+enum { PHASE_CORRECT_8_BIT = 1, FAST_UP_TO_ICR = 14 };      /* modes of a timer */
+
+int a3959_drive(const int *levels)
+{
+    return levels[1] ? levels[0] : -levels[0];
+}
+
+int a3959_drive_mirrored(const int *levels)
+{
+    return -a3959_drive(levels);
+}
+
+int l298n_drive(const int *levels)
+{
+    return (levels[1] != 0) == (levels[2] != 0) ? 0 : a3959_drive(levels);
+}
+
+int bts7960_drive(const int *levels)
+{
+    return levels[2] && levels[3] ? levels[0] - levels[1] : 0;
+}
+
+static int is_up_to_icr(avr_t *avr, avr_timer_t *timer)
+{
+    enum { BITS = sizeof timer->wgm / sizeof *timer->wgm };
+    return avr_regbit_get_array(avr, timer->wgm, BITS) == FAST_UP_TO_ICR;
+}
+
+/* Of 255, rounded up: no pulse is too short to be seen. An input of the processor gives none: there is a pull-down. */
+static int level_of(avr_t *avr, const struct bridge_input *input)
+{
+    int output = pin_output(avr, input->pin);
+    int mode = input->compare ? avr_regbit_get(avr, input->compare->com) : 0;
+    if (output < 0)
+        return 0;
+    if (mode != COMPARE_CLEAR && mode != COMPARE_SET)
+        return output ? FULL : 0;
+    int width = input->width & 0xff, period = FULL;
+    if (is_up_to_icr(avr, input->compare->timer)) {
+        period = input->top + 1;
+        width = input->width < input->top ? input->width + 1 : period;
+    }
+    return ((mode == COMPARE_SET ? period - width : width) * FULL + period - 1) / period;
+}
 
 static int duty_of(avr_t *avr, const struct bridge *h)
 {
-    int output = pin_output(avr, h->pwm);
-    if (output < 0)
-        return 0;
-    switch (avr_regbit_get(avr, h->compare->com)) {
-    case COMPARE_CLEAR: return avr->data[h->compare->r_ocr];
-    case COMPARE_SET: return 255 - avr->data[h->compare->r_ocr];
-    default: return output ? 255 : 0;
+    int levels[BRIDGE_INPUTS] = { 0 };
+    for (int k = 0; k < BRIDGE_INPUTS; k++) {
+        if (h->motor->inputs_high >> k & 1)
+            levels[k] = FULL;
+        else if (h->input[k].pin.port && !(h->motor->inputs_low >> k & 1))
+            levels[k] = level_of(avr, &h->input[k]);
     }
+    return h->drive(levels);
 }
 
 static void sample(struct board_model *b)
@@ -22,14 +67,13 @@ static void sample(struct board_model *b)
     avr_t *avr = b->inside->avr;
     for (int k = 0; k < BOARD_MOTORS; k++) {
         struct bridge *h = &b->inside->bridge[k];
-        if (!h->board)
+        if (!h->motor)
             continue;
         h->duty_cycles += (int64_t)h->duty * (int64_t)(avr->cycle - h->since);
         h->since = avr->cycle;
-        int duty = duty_of(avr, h);
-        h->duty = (pin_output(avr, h->phase) == 1) == h->forward ? duty : -duty;
-        if (duty > b->motor[k].drive_peak)
-            b->motor[k].drive_peak = duty;
+        h->duty = duty_of(avr, h);
+        if (abs(h->duty) > h->motor->drive_peak)
+            h->motor->drive_peak = abs(h->duty);
     }
 }
 
@@ -40,29 +84,75 @@ static void on_register(avr_irq_t *irq, uint32_t value, void *param)
     sample(param);
 }
 
-int bridge_wire(struct board_model *b, int number, const struct bridge_wiring *wiring)
+/* Its high byte waits for this, the low one. */
+static void on_compare_register(avr_irq_t *irq, uint32_t low, void *param)
+{
+    struct bridge_input *input = param;
+    avr_t *avr = input->pin.port->io.avr;
+    (void)irq;
+    input->width = (uint16_t)(low | (input->compare->r_ocrh ? avr->data[input->compare->r_ocrh] << 8 : 0));
+    sample(board_of(avr));
+}
+
+/* TRAP: simavr takes ICR in every mode, the chip only in one whose top it is ("Input Capture Unit"). */
+static void on_top_register(avr_irq_t *irq, uint32_t low, void *param)
+{
+    struct bridge_input *input = param;
+    avr_timer_t *timer = input->compare->timer;
+    avr_t *avr = timer->io.avr;
+    (void)irq;
+    if (!is_up_to_icr(avr, timer))
+        return;
+    input->top = (uint16_t)(low | avr->data[timer->r_icrh] << 8);
+    sample(board_of(avr));
+}
+
+static avr_timer_comp_t *compare_at(avr_t *avr, struct pin pin)
+{
+    for (avr_io_t *io = io_next(avr, "timer", NULL); io; io = io_next(avr, "timer", io))
+        for (int channel = 0; channel < AVR_TIMER_COMP_COUNT; channel++) {
+            avr_timer_comp_t *compare = &((avr_timer_t *)io)->comp[channel];
+            if (compare->r_ocr && compare->com_pin.reg == pin.port->r_port && compare->com_pin.bit == pin.bit)
+                return compare;
+        }
+    return NULL;
+}
+
+static void input_wire(struct board_model *b, struct bridge_input *input, const char *pin)
 {
     avr_t *avr = b->inside->avr;
-    avr_timer_t *timer = timer_named(avr, wiring->timer);
-    if (!timer)
-        return -1;
-    /* TRAP: in phase-correct mode timer 1 counts, wrongly, at every 256th cycle, and its compare output writes
-     * PORTD; nothing but its registers matters here. */
-    timer->wgm_op[1] = (avr_timer_wgm_t){ .kind = avr_timer_wgm_none };
+    *input = (struct bridge_input){ .pin = pin_named(avr, pin) };
+    pin_watch(avr, input->pin, on_register, b);
+    input->compare = compare_at(avr, input->pin);
+    if (!input->compare)
+        return;
+    avr_timer_t *timer = input->compare->timer;
+    /* TRAP: in phase-correct mode timer 1 counts, wrongly, at every 256th cycle, and its compare output writes PORTD;
+     * up to ICR it has three events a period. Nothing but its registers matters here. */
+    timer->wgm_op[PHASE_CORRECT_8_BIT] = timer->wgm_op[FAST_UP_TO_ICR] =
+        (avr_timer_wgm_t){ .kind = avr_timer_wgm_none };
+    register_watch(avr, input->compare->r_ocr, on_compare_register, input);
+    register_watch(avr, input->compare->com.reg, on_register, b);
+    if (timer->r_icr)
+        register_watch(avr, timer->r_icr, on_top_register, input);
+}
+
+void bridge_wire(struct board_model *b, int number, const struct bridge_wiring *wiring)
+{
     struct bridge *h = &b->inside->bridge[number];
-    *h = (struct bridge){ .board = b, .forward = wiring->forward, .pwm = pin_named(avr, wiring->pwm),
-                          .phase = pin_named(avr, wiring->phase), .compare = &timer->comp[wiring->channel - 'A'] };
-    register_watch(avr, h->compare->r_ocr, on_register, b);
-    register_watch(avr, h->compare->com.reg, on_register, b);
-    pin_watch(avr, h->pwm, on_register, b);
-    pin_watch(avr, h->phase, on_register, b);
-    return 0;
+    h->motor = &b->motor[number];
+    h->drive = wiring->drive;
+    for (int k = 0; k < BRIDGE_INPUTS && wiring->pins[k]; k++)
+        input_wire(b, &h->input[k], wiring->pins[k]);
 }
 
 void bridges_begin(struct board_model *b)
 {
     for (int k = 0; k < BOARD_MOTORS; k++) {
         struct bridge *h = &b->inside->bridge[k];
+        if (!h->motor)
+            continue;
+        h->duty = duty_of(b->inside->avr, h);       /* the world may have changed a fault */
         h->duty_cycles = 0;
         h->since = b->inside->avr->cycle;
     }
@@ -70,6 +160,9 @@ void bridges_begin(struct board_model *b)
 
 void bridges_restore(struct board_model *b)
 {
+    for (int k = 0; k < BOARD_MOTORS; k++)
+        for (int n = 0; n < BRIDGE_INPUTS; n++)
+            b->inside->bridge[k].input[n].width = b->inside->bridge[k].input[n].top = 0;
     sample(b);
 }
 
@@ -78,19 +171,20 @@ void bridges_end(struct board_model *b, avr_cycle_count_t cycles)
     sample(b);
     for (int k = 0; k < BOARD_MOTORS; k++) {
         const struct bridge *h = &b->inside->bridge[k];
-        if (h->board)
-            b->motor[k].drive = cycles ? (double)h->duty_cycles / (double)cycles : h->duty;
+        if (h->motor)
+            h->motor->drive = cycles ? (double)h->duty_cycles / (double)cycles : h->duty;
     }
 }
 
 void bridges_stand_still(struct board_model *b)
 {
     for (int k = 0; k < BOARD_MOTORS; k++) {
-        const struct bridge *h = &b->inside->bridge[k];
-        if (!h->board)
+        struct bridge *h = &b->inside->bridge[k];
+        if (!h->motor)
             continue;
-        b->motor[k].drive = h->duty;        /* a stopped core's outputs hold */
-        if (abs(h->duty) > b->motor[k].drive_peak)
-            b->motor[k].drive_peak = abs(h->duty);
+        h->duty = duty_of(b->inside->avr, h);
+        h->motor->drive = h->duty;          /* a stopped core's outputs hold */
+        if (abs(h->duty) > h->motor->drive_peak)
+            h->motor->drive_peak = abs(h->duty);
     }
 }

@@ -19,6 +19,7 @@ enum {
     TX_SIZE = 65536,
     RX_SIZE = 256,              /* what a USB serial adapter holds; the rest waits in the host's kernel */
     DRIVER_BYTES = 4,           /* of an AVR's transmitter: one shifts, one waits */
+    BRIDGE_INPUTS = 4,
     MESSAGE_SIZE = 160
 };
 
@@ -36,11 +37,16 @@ struct encoder {
     double from, to;            /* encoder position at the ends of the running slice, quadrature states */
 };
 
-struct bridge {                 /* an H bridge with a PWM and a PHASE input, of the motor of its number */
-    struct board_model *board;
-    int forward;                /* level of PHASE that means forward */
-    struct pin pwm, phase;
-    avr_timer_comp_t *compare;  /* of the PWM output */
+struct bridge_input {
+    struct pin pin;
+    avr_timer_comp_t *compare;  /* NULL: the pin has no compare unit */
+    uint16_t width, top;        /* that register and ICR, as they were last written whole */
+};
+
+struct bridge {                 /* an H bridge, with all its inputs */
+    struct motor_model *motor;  /* NULL: none wired */
+    int (*drive)(const int *levels);    /* its signed duty, by those of its inputs: each 0 to 255 */
+    struct bridge_input input[BRIDGE_INPUTS];
     int duty;                   /* on the pins now, signed */
     int64_t duty_cycles;        /* sum over the slice of duty * cycles it lasted */
     avr_cycle_count_t since;    /* cycle from which `duty` is not yet in the sum */
@@ -96,6 +102,7 @@ struct board_private {
     struct pin button, slave_reset, bumper[BOARD_BUMPERS], cord;
     struct encoder encoder[BOARD_MOTORS];
     struct bridge bridge[BOARD_MOTORS];
+    struct pin enable;          /* high: both bridges may drive */
     struct servo servo[BOARD_MOTORS];
     struct driver_line driver_line;
     struct sonar sonar[BOARD_SONARS];
@@ -120,11 +127,14 @@ void encoders_arm(struct board_model *b);
 void encoders_stand_still(struct board_model *b);
 
 struct bridge_wiring {
-    char timer, channel;
-    const char *pwm, *phase;
-    int forward;
+    int (*drive)(const int *levels);
+    const char *pins[BRIDGE_INPUTS];    /* in the order that `drive` takes */
 };
-int bridge_wire(struct board_model *b, int number, const struct bridge_wiring *wiring);  /* 0, or -1 */
+int a3959_drive(const int *levels);         /* PWM; PHASE, high = forward */
+int a3959_drive_mirrored(const int *levels);
+int l298n_drive(const int *levels);         /* PWM, IN1, IN2; of a TB6612FNG as well */
+int bts7960_drive(const int *levels);       /* RPWM, LPWM, R_EN, L_EN */
+void bridge_wire(struct board_model *b, int number, const struct bridge_wiring *wiring);
 void bridges_begin(struct board_model *b);
 void bridges_restore(struct board_model *b);
 void bridges_end(struct board_model *b, avr_cycle_count_t cycles);

@@ -9,8 +9,18 @@
 #include "inside.h"
 
 static const struct bridge_wiring BASE_BRIDGES[BOARD_MOTORS] = {
-    { '2', 'B', "D6", "C6", .forward = 1 },
-    { '1', 'B', "D4", "B4", .forward = 0 },
+    { a3959_drive, { "D6", "C6" } },
+    { a3959_drive_mirrored, { "D4", "B4" } },
+};
+
+/* The Mega's D6 to D11, and its D2, D3, D5, D12 with D4. */
+static const struct bridge_wiring L298N_BRIDGES[BOARD_MOTORS] = {
+    { l298n_drive, { "H3", "H4", "H5" } },
+    { l298n_drive, { "B5", "H6", "B4" } },
+};
+static const struct bridge_wiring BTS7960_BRIDGES[BOARD_MOTORS] = {
+    { bts7960_drive, { "E4", "E5", "G5", "G5" } },
+    { bts7960_drive, { "E3", "B6", "G5", "G5" } },
 };
 
 static const struct servo_wiring ARDROS_SERVOS[BOARD_MOTORS] = {
@@ -95,13 +105,33 @@ static struct analog adc_channel(avr_t *avr, int channel)
 
 static int wire_base(struct board_model *b)
 {
-    for (int k = 0; k < BOARD_MOTORS; k++)
-        if (bridge_wire(b, k, &BASE_BRIDGES[k]))
-            return -1;
+    bridge_wire(b, 0, &BASE_BRIDGES[0]);
+    bridge_wire(b, 1, &BASE_BRIDGES[1]);
     encoder_wire(b, 0, "D3", "C7", 0);
     encoder_wire(b, 1, "D2", "C0", 1);
     b->inside->battery = adc_channel(b->inside->avr, ADC_IRQ_ADC0);
     return 0;
+}
+
+static int wire_mega(struct board_model *b, const struct bridge_wiring *bridges, const char *enable)
+{
+    bridge_wire(b, 0, &bridges[0]);
+    bridge_wire(b, 1, &bridges[1]);
+    b->inside->enable = pin_named(b->inside->avr, enable);
+    encoder_wire(b, 0, "D3", "H1", 0);          /* D18, D16 */
+    encoder_wire(b, 1, "D2", "H0", 1);          /* D19, D17 */
+    b->inside->battery = adc_channel(b->inside->avr, ADC_IRQ_ADC0);
+    return 0;
+}
+
+static int wire_mega_l298n(struct board_model *b)
+{
+    return wire_mega(b, L298N_BRIDGES, "A0");   /* D22 */
+}
+
+static int wire_mega_bts7960(struct board_model *b)
+{
+    return wire_mega(b, BTS7960_BRIDGES, "G5");
 }
 
 static int wire_ardros(struct board_model *b)
@@ -156,6 +186,8 @@ static const struct board {
 } BOARDS[] = {
     { "base", "atmega644", 18432000, wire_base },
     { "ardros", "atmega2560", 16000000, wire_ardros },
+    { "mega_l298n", "atmega2560", 16000000, wire_mega_l298n },
+    { "mega_bts7960", "atmega2560", 16000000, wire_mega_bts7960 },
     { "joystick", "atmega328p", 16000000, wire_joystick },
     { "ranger", "atmega2560", 16000000, wire_ranger },
     { "balancer", "atmega2560", 16000000, wire_balancer },
