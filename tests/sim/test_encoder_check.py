@@ -32,7 +32,7 @@ FLICKER_MS: Final = 20
 class SimulatedPort(SerialLink):
     """The port of a simulated board whose wheels turn by what their motors get. Its time goes on while it is read."""
 
-    def __init__(self, board: Board, robot: RobotConfig) -> None:
+    def __init__(self, board: Board, robot: RobotConfig, max_level: int = 70) -> None:
         super().__init__("simulated", BASE_BOARD.baud)
         self.fault = NO_TROUBLE
         self.now_ms = 0
@@ -50,7 +50,7 @@ class SimulatedPort(SerialLink):
         self._board = board
         self._speed = [0.0, 0.0]
         self._turned = [0.0, 0.0]
-        self._states_per_count = 2.0 * robot.ticks_per_metre * robot.max_wheel_speed / 70.0
+        self._states_per_count = 2.0 * robot.ticks_per_metre * robot.max_wheel_speed / max_level
         self._always_ready = os.open(os.devnull, os.O_RDONLY)
 
     def keep_open(self, now: float) -> bool:

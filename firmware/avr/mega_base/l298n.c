@@ -2,6 +2,17 @@
 #include "hal_base.h"
 #include "pwm.h"
 
+/* STBY of a TB6612FNG is that of both motors. */
+static void enable(uint8_t motor, bool drives)
+{
+    static bool driving[2];
+    driving[motor] = drives;
+    if (driving[0] || driving[1])
+        SET_HIGH(ENABLE);
+    else
+        SET_LOW(ENABLE);
+}
+
 #define TURN_OFF(motor) do { \
     DISCONNECT(motor##_PWM); \
     SET_LOW(motor##_IN1); \

@@ -1,4 +1,4 @@
-/* What the drivers of a Mega's motors share: PWM by timers of 16 bits, and the pin that lets both drivers work. */
+/* What the drivers of a Mega's motors share: PWM by timers of 16 bits. */
 #ifndef GIRAFF_PWM_H
 #define GIRAFF_PWM_H
 #include <avr/io.h>
@@ -26,8 +26,5 @@ enum { TIMER_COUNTS_PER_COUNT = 3, TIMER_COUNTS = 255 * TIMER_COUNTS_PER_COUNT }
     CONTROL(pin) &= (uint8_t)~CONNECTED(pin); \
     COMPARE(pin) = 0; \
 } while (0)
-
-/* ENABLE is low unless a motor drives. */
-void enable(uint8_t motor, bool drives);
 
 #endif

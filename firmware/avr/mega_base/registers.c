@@ -32,16 +32,6 @@ void hal_start_motors(void)
     EACH_PWM_PIN(START_TIMER)
 }
 
-void enable(uint8_t motor, bool drives)
-{
-    static bool driving[2];
-    driving[motor] = drives;
-    if (driving[0] || driving[1])
-        SET_HIGH(ENABLE);
-    else
-        SET_LOW(ENABLE);
-}
-
 #define PULL_UP(pin) SET_HIGH(pin);
 
 static void on_any_edge(uint8_t interrupt)

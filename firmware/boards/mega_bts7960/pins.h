@@ -3,11 +3,13 @@
 #ifndef GIRAFF_PINS_H
 #define GIRAFF_PINS_H
 
+/* R_EN and L_EN of a module are one wire. */
 #define MOTOR_0_RPWM 2
 #define MOTOR_0_LPWM 3
-#define ENABLE 4                    /* R_EN and L_EN of both */
-#define MOTOR_1_RPWM 5
-#define MOTOR_1_LPWM 12
+#define MOTOR_0_ENABLE 4
+#define MOTOR_1_ENABLE 44
+#define MOTOR_1_RPWM 45
+#define MOTOR_1_LPWM 46
 
 #define ENCODER_0_A 18
 #define ENCODER_0_B 16

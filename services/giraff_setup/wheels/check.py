@@ -1,5 +1,6 @@
 """`giraff check wheels`: a human, two lifted wheels and the base board find out how the robot is wired."""
 
+import math
 import os
 from collections.abc import Mapping
 from functools import partial
@@ -22,6 +23,7 @@ from giraff_setup.wheels.wiring import (
     Turned,
     encoder_of,
     encoder_that_counted,
+    require_asked_power,
     require_both_ways,
     require_no_motion,
     require_right,
@@ -36,6 +38,7 @@ AnswerT = TypeVar("AnswerT", bound=str)
 _TABLE: Final = "base.drive"
 _complain: Final = partial(complain, "check wheels")
 _DRIVE_TIME: Final = 1.0  # s
+_FULL_POWER: Final = 255
 _NOT_JUDGED: Final = 255  # a stall level that is never reached: whose encoder is whose is not known yet
 _TURNED: Final[tuple[Turned, ...]] = (*SIDES, "both", "none")
 
@@ -66,7 +69,7 @@ def _check(port: str | None, report: Report) -> int:
         bench = WheelBench(port, drive.board_type, robot.ticks_per_metre)
         try:
             bench.open()
-            fields = find_wiring(bench, human, drive.stall_level)
+            fields = find_wiring(bench, human, drive.stall_level, most_ticks(robot, drive))
         finally:
             bench.close()
         kept = record(path, _TABLE, fields, kept_as=before_today())
@@ -89,9 +92,21 @@ def _of_wheels(path: Path, drive: object) -> WheelsConfig:
     raise ConfigError(f"{path}: [base.drive] is not of type wheels, whose wiring this finds; write its wiring by hand")
 
 
-def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
-    """The six fields of the robot file, found in one pass and proved in a second. Raises BenchError, DoubtError."""
-    first, second = (_probe(bench, human, side, level) for side in SIDES)
+def most_ticks(robot: RobotConfig, drive: WheelsConfig) -> int:
+    """Return ticks that no wheel counts while it is driven at `stall_level`, and each at full power.
+
+    The way halfway, by ratio, between those of both levels.
+    """
+    level = math.sqrt(drive.stall_level * _FULL_POWER)
+    return round(robot.ticks_per_metre * robot.max_wheel_speed * level / drive.max_level * _DRIVE_TIME)
+
+
+def find_wiring(bench: WheelBench, human: Human, level: int, most: int) -> dict[str, bool]:
+    """The six fields of the robot file, found in one pass and proved in a second. Raises BenchError, DoubtError.
+
+    `most`: ticks of a wheel that is driven at `level` for a second.
+    """
+    first, second = (_probe(bench, human, side, level, most) for side in SIDES)
     fields = wiring_of(first, second)
     wiring = Wiring(0)
     for name, is_set in fields.items():
@@ -110,13 +125,14 @@ def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
     return fields
 
 
-def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> MotorResponse:
+def _probe(bench: WheelBench, human: Human, side: Side, level: int, most: int) -> MotorResponse:
     """Drive the motor that is wired as `side`, with nothing inverted, and ask what happened."""
     motor = f"the {'first' if side == 'left' else 'second'} motor"
     human.show(f"{motor.capitalize()} turns one wheel for a second. Look at both.")
     wiring, counted = Wiring(0), Counted(0, 0)
     while True:
         counted, latch = bench.drive(wiring, levels_of(side, level), _DRIVE_TIME, _NOT_JUDGED)
+        require_asked_power(motor, counted, most)
         if latch == Latch.NONE:
             break
         # The board protects itself from a wheel that turns against its level: its encoder counts the other way.

@@ -90,6 +90,17 @@ def require_right(side: Side, counted: Counted) -> None:
         )
 
 
+def require_asked_power(motor: str, counted: Counted, most: int) -> None:
+    """DoubtError where a wheel counted more than `most` ticks: its motor has full power, whatever it is asked."""
+    fastest = max(abs(counted.left), abs(counted.right))
+    if fastest > most:
+        raise DoubtError(
+            f"{motor} ran far too fast: {fastest} ticks, where {most} are too many; take the jumpers off ENA and ENB of an "
+            "L298N, and see that no input of the driver is shorted; else correct ticks_per_metre, max_level and "
+            "max_wheel_speed"
+        )
+
+
 def require_both_ways(wheel: str, backward: Counted, latch: Latch) -> None:
     """DoubtError unless a wheel that turns forward has turned as far when it was driven backward."""
     if latch != Latch.NONE or encoder_that_counted(backward) is None:

@@ -13,14 +13,14 @@ static const struct bridge_wiring BASE_BRIDGES[BOARD_MOTORS] = {
     { a3959_drive_mirrored, { "D4", "B4" } },
 };
 
-/* The Mega's D6 to D11, and its D2, D3, D5, D12 with D4. */
+/* The Mega's D6 to D11, and its D2, D3 with D4, D45, D46 with D44. */
 static const struct bridge_wiring L298N_BRIDGES[BOARD_MOTORS] = {
     { l298n_drive, { "H3", "H4", "H5" } },
     { l298n_drive, { "B5", "H6", "B4" } },
 };
 static const struct bridge_wiring BTS7960_BRIDGES[BOARD_MOTORS] = {
     { bts7960_drive, { "E4", "E5", "G5", "G5" } },
-    { bts7960_drive, { "E3", "B6", "G5", "G5" } },
+    { bts7960_drive, { "L4", "L3", "L5", "L5" } },
 };
 
 static const struct servo_wiring ARDROS_SERVOS[BOARD_MOTORS] = {
