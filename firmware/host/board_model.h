@@ -55,7 +55,7 @@ struct board_model {
     int driver_line_cut;    /* in: 1 = the serial line to it is off */
     int driver_wakes;       /* out: how often a byte has set its baud; in: 0 after its power was off */
     int driver_open;        /* out: 1 = its bridges are open and the motors turn freely; at duty 0 it brakes otherwise.
-                             * On a Mega with an L298N or BTS7960: ENABLE is low. The host's code tells nothing of it */
+                             * On a Mega with an L298N or BTS7960: no enable wire is high. The host's code tells nothing of it */
     int cord_pulled;        /* in: 1 = the driver's emergency input is low, and the board's own pin tells so */
     unsigned tx_len;        /* out: bytes that board_uart_read would give */
     unsigned rx_free;       /* out: room for board_uart_write */

@@ -102,7 +102,7 @@ struct board_private {
     struct pin button, slave_reset, bumper[BOARD_BUMPERS], cord;
     struct encoder encoder[BOARD_MOTORS];
     struct bridge bridge[BOARD_MOTORS];
-    struct pin enable;          /* high: both bridges may drive */
+    struct pin enable[BOARD_MOTORS];    /* high: the bridge may drive */
     struct servo servo[BOARD_MOTORS];
     struct driver_line driver_line;
     struct sonar sonar[BOARD_SONARS];

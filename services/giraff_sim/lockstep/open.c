@@ -113,11 +113,13 @@ static int wire_base(struct board_model *b)
     return 0;
 }
 
-static int wire_mega(struct board_model *b, const struct bridge_wiring *bridges, const char *enable)
+static int wire_mega(struct board_model *b, const struct bridge_wiring *bridges, const char *enable_0,
+                     const char *enable_1)
 {
     bridge_wire(b, 0, &bridges[0]);
     bridge_wire(b, 1, &bridges[1]);
-    b->inside->enable = pin_named(b->inside->avr, enable);
+    b->inside->enable[0] = pin_named(b->inside->avr, enable_0);
+    b->inside->enable[1] = pin_named(b->inside->avr, enable_1);
     encoder_wire(b, 0, "D3", "H1", 0);          /* D18, D16 */
     encoder_wire(b, 1, "D2", "H0", 1);          /* D19, D17 */
     b->inside->battery = adc_channel(b->inside->avr, ADC_IRQ_ADC0);
@@ -126,12 +128,12 @@ static int wire_mega(struct board_model *b, const struct bridge_wiring *bridges,
 
 static int wire_mega_l298n(struct board_model *b)
 {
-    return wire_mega(b, L298N_BRIDGES, "A0");   /* D22 */
+    return wire_mega(b, L298N_BRIDGES, "A0", "A0");     /* D22 */
 }
 
 static int wire_mega_bts7960(struct board_model *b)
 {
-    return wire_mega(b, BTS7960_BRIDGES, "G5");
+    return wire_mega(b, BTS7960_BRIDGES, "G5", "L5");
 }
 
 static int wire_ardros(struct board_model *b)

@@ -71,8 +71,8 @@ static void outputs(struct board_model *b)
     const struct board_private *in = b->inside;
     if (in->slave_reset.port)
         b->slave_reset = pin_output(in->avr, in->slave_reset) == 0;
-    if (in->enable.port)
-        b->driver_open = pin_output(in->avr, in->enable) != 1;
+    if (in->enable[0].port)
+        b->driver_open = pin_output(in->avr, in->enable[0]) != 1 && pin_output(in->avr, in->enable[1]) != 1;
 }
 
 static void run_slice(struct board_model *b)
