@@ -29,8 +29,9 @@ struct motor_model {
     int signal_cut;         /* in: 1 = the wire from a servo output to the motor driver is off; no other board has it */
     unsigned inputs_high;   /* in: these inputs of the motor driver are shorted to 5 V; bits in the order of base PWM, PHASE;
                              * of mega_l298n PWM, IN1, IN2; of mega_bts7960 RPWM, LPWM, R_EN, L_EN */
-    unsigned inputs_low;    /* in: the wires of these are off, against pull-downs, or their half of the driver is dead.
-                             * The host's code, and other boards, have neither */
+    unsigned inputs_low;    /* in: the wires of these are off, against pull-downs, or their half of the driver is dead */
+    unsigned inputs_float;  /* in: these have no pull-down, and read high while the processor's pin is an input. The
+                             * host's code, and other boards, have none of the three */
     double pulse_us;        /* out: width of the newest whole pulse at a servo output's pin; 0 = none yet */
     const struct encoder_disk *disk;    /* in: the disk that the encoder reads; NULL = ideal quadrature, an edge a state */
     int64_t states;         /* out: edges sent to the pins so far, forward positive */

@@ -45,10 +45,23 @@ def near_wraps() -> Path:
 def wrap_soon() -> Path:
     """The same, with time to drive before, also for the real boards' processors."""
     values = _starting_with(HERE / "wrap_soon.c")
-    build = compiled("wrap_soon", *values, *_host(*STOCK), *(f"avr-{board}" for board in STOCK))
+    return _with_lockstep(compiled("wrap_soon", *values, *_host(*STOCK), *_avr(*STOCK)))
+
+
+def changing_pwm(*boards: str) -> Path:
+    """Programs of Megas whose PWM changes three times a millisecond, whatever they do."""
+    return _with_lockstep(compiled("changing_pwm", *_starting_with(HERE / "changing_pwm.c"), *_avr(*boards)))
+
+
+def _with_lockstep(build: Path) -> Path:
     with contextlib.suppress(FileExistsError):
         (build / "lockstep").symlink_to(BUILD / "lockstep")
     return build
+
+
+def programs(*boards: str) -> Path:
+    """The programs of boards for their own processors."""
+    return compiled("", *_avr(*boards))
 
 
 def sanitized(*boards: str) -> list[Path]:
@@ -82,6 +95,10 @@ def _starting_with(values: Path) -> tuple[str, ...]:
 
 def _host(*boards: str) -> tuple[str, ...]:
     return tuple(f"host-{board}" for board in boards)
+
+
+def _avr(*boards: str) -> tuple[str, ...]:
+    return tuple(f"avr-{board}" for board in boards)
 
 
 def compiled_for_avr(source: Path, processor: str) -> Path:

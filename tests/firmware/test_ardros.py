@@ -8,7 +8,7 @@ from itertools import pairwise
 import msgspec
 import pytest
 
-from giraff_schemas.boards import ARDROS_BOARD
+from giraff_schemas.boards import ARDROS_BOARD, MEGA_L298N_BOARD, BoardType
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, DriveState, EstopFrame, Latch, Refusal, SpeedFlag, WheelsFrame
 from giraff_sim.board import Implementation, open_board
 from tests.firmware.bench import BaseBench, SpeedBench
@@ -34,10 +34,16 @@ def ardros(implementation: Implementation) -> Iterator[BaseBench]:
 
 
 @pytest.fixture
-def rolling(implementation: Implementation) -> Iterator[SpeedBench]:
+def board_type() -> BoardType:
+    """What rolls, unless a test names others."""
+    return ARDROS_BOARD
+
+
+@pytest.fixture
+def rolling(implementation: Implementation, board_type: BoardType) -> Iterator[SpeedBench]:
     """The same with wheels that turn by what the driver gives them."""
     compiled()
-    bench = SpeedBench(open_board(ARDROS_BOARD, implementation), ARDROS)
+    bench = SpeedBench(open_board(board_type, implementation), ARDROS)
     bench.run(35)
     yield bench
     bench.board.close()
@@ -150,6 +156,7 @@ def test_reversals_are_counted_to_the_edge(ardros: BaseBench) -> None:
     assert ticks(ardros) == true_ticks(ardros)
 
 
+@pytest.mark.parametrize("board_type", [ARDROS_BOARD, MEGA_L298N_BOARD], ids=lambda board: board.name)
 def test_60_000_edges_a_second_of_each_wheel_are_counted_while_the_line_is_full(
     rolling: SpeedBench, implementation: Implementation
 ) -> None:
@@ -178,7 +185,10 @@ def test_60_000_edges_a_second_of_each_wheel_are_counted_while_the_line_is_full(
     rolling.hands = [lambda _ms: 0.0, lambda _ms: 0.0]
     assert ticks(rolling) == true_ticks(rolling)
     if implementation is Implementation.AVR:
-        report("ardros/edges", {"edges": true_ticks(rolling), "awake": round(sum(awake) / len(awake), 3)})
+        report(
+            f"{rolling.board.type.name}/edges",
+            {"edges": true_ticks(rolling), "awake": round(sum(awake) / len(awake), 3)},
+        )
 
 
 def test_ticks_and_their_time_are_of_one_instant(rolling: SpeedBench) -> None:

@@ -5,13 +5,15 @@ import pytest
 from tests.firmware.builds import FIRMWARE
 from tests.support.tools import finished
 
+BOARDS = sorted(folder.name for folder in (FIRMWARE / "boards").iterdir())
+
 
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
         (["AVR_CC=no-such-compiler"], "there is no no-such-compiler; on Debian: apt install gcc-avr avr-libc"),
         (["check", "CPPCHECK=no-such-checker"], "there is no no-such-checker; on Debian: apt install cppcheck"),
-        (["flash"], "BOARD= one of ardros balancer base joystick ranger"),
+        (["flash"], f"BOARD= one of {' '.join(BOARDS)}"),
         (["flash", "BOARD=base", "AVRDUDE=no-such-tool"], "there is no no-such-tool; on Debian: apt install avrdude"),
         (["flash", "BOARD=base", "AVRDUDE=true"], "PORT= the programmer's port"),
     ],

@@ -68,7 +68,8 @@ class Laboratory:
             "PYTHONDONTWRITEBYTECODE": "1",
         }
         self._require_own_packages()
-        self._build_boards()
+        self._make("firmware", "host")
+        self._make("services/giraff_sim/lockstep")
 
     def require_whole(self, tests: Iterable[str]) -> None:
         """MutantError unless all of these tests pass with no rule broken."""
@@ -98,12 +99,12 @@ class Laboratory:
 
     def _build_if_c(self, path: Path) -> None:
         if path.suffix in (".c", ".h"):
-            self._build_boards()
+            self._make("firmware", "host")
 
-    def _build_boards(self) -> None:
-        made = self._finished(["make", "--silent", "-C", "firmware", "host", f"BUILD={self._root / 'build'}"])
+    def _make(self, folder: str, *targets: str) -> None:
+        made = self._finished(["make", "--silent", "-C", folder, *targets, f"BUILD={self._root / 'build'}"])
         if made.returncode:
-            raise MutantError(f"the boards do not build:\n{made.stderr[-2000:]}")
+            raise MutantError(f"{folder} does not build:\n{made.stderr[-2000:]}")
 
     def _require_own_packages(self) -> None:
         """Every package must be the copy's: of another one the mutants would be tried on sound code."""

@@ -33,15 +33,12 @@ static int is_up_to_icr(avr_t *avr, avr_timer_t *timer)
     return avr_regbit_get_array(avr, timer->wgm, BITS) == FAST_UP_TO_ICR;
 }
 
-/* Of 255, rounded up: no pulse is too short to be seen. An input of the processor gives none: there is a pull-down. */
+/* Of 255, rounded up: no pulse is too short to be seen. */
 static int level_of(avr_t *avr, const struct bridge_input *input)
 {
-    int output = pin_output(avr, input->pin);
     int mode = input->compare ? avr_regbit_get(avr, input->compare->com) : 0;
-    if (output < 0)
-        return 0;
     if (mode != COMPARE_CLEAR && mode != COMPARE_SET)
-        return output ? FULL : 0;
+        return pin_output(avr, input->pin) ? FULL : 0;
     int width = input->width & 0xff, period = FULL;
     if (is_up_to_icr(avr, input->compare->timer)) {
         period = input->top + 1;
@@ -52,11 +49,15 @@ static int level_of(avr_t *avr, const struct bridge_input *input)
 
 static int duty_of(avr_t *avr, const struct bridge *h)
 {
-    int levels[BRIDGE_INPUTS] = { 0 };
+    int levels[BRIDGE_INPUTS];
     for (int k = 0; k < BRIDGE_INPUTS; k++) {
         if (h->motor->inputs_high >> k & 1)
             levels[k] = FULL;
-        else if (h->input[k].pin.port && !(h->motor->inputs_low >> k & 1))
+        else if (!h->input[k].pin.port || h->motor->inputs_low >> k & 1)
+            levels[k] = 0;
+        else if (pin_output(avr, h->input[k].pin) < 0)
+            levels[k] = h->motor->inputs_float >> k & 1 ? FULL : 0;
+        else
             levels[k] = level_of(avr, &h->input[k]);
     }
     return h->drive(levels);
