@@ -9,7 +9,7 @@ from giraff_sim.dst.simulated_run import Outcome, play
 from tests.dst.courses import cut_signal
 from tests.dst.test_stops import ROWS as STOCK
 from tests.dst.test_stops import Row, driven_ms
-from tests.support.ardros import ARDROS, SIM
+from tests.support.robot_files import ARDROS
 
 LATER: Final = 0.022
 """s."""
@@ -32,14 +32,14 @@ ROWS: Final = {
 
 @pytest.mark.parametrize("name", ROWS)
 def test_a_fault_stops_ardros_within_its_bound(name: str) -> None:
-    assert driven_ms(ROWS[name], settings=ARDROS, sim=SIM) == 0
+    assert driven_ms(ROWS[name], settings=ARDROS.settings, sim=ARDROS.sim) == 0
 
 
 def played(seed: int) -> Outcome:
     """Return what the drawn faults of a seed do to it."""
-    return play(draw(seed), ARDROS, sim=SIM)
+    return play(draw(seed), ARDROS.settings, sim=ARDROS.sim)
 
 
 def test_a_reset_in_the_midst_of_a_pulse_is_no_violation() -> None:
     """The motor driver takes the piece of a pulse for full speed backward, until the next pulse."""
-    assert play(draw(10)._replace(seconds=5.0), ARDROS, sim=SIM).violations == ()
+    assert play(draw(10)._replace(seconds=5.0), ARDROS.settings, sim=ARDROS.sim).violations == ()

@@ -1,8 +1,7 @@
-"""The contract of two wheels: by levels, by speeds that the board holds, and those of Ardros."""
+"""The contract of two wheels: by levels, by speeds that the board holds, and those of the robot files."""
 
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Latch
-from tests.support.ardros import ARDROS, SIM
-from tests.support.ardros import DRIVE as ARDROS_DRIVE
+from tests.support.robot_files import ROBOTS, FileRobot
 from tests.support.robots import BY_SPEED, DRIVE, ROBOT
 from tests.unit.base.drives.contract import AnyDrive
 from tests.unit.base.rig import STEP_NS, Board
@@ -40,17 +39,30 @@ class TestBySpeeds(TestByLevels):
     config = BY_SPEED
 
 
-class ArdrosBoard(WheelsBoard):
-    robot = ARDROS.robot
-    time_constant = SIM.motor_time_constant
+class FileBoard(WheelsBoard):
+    """The board of a robot file, with its motors."""
 
-    def __init__(self) -> None:
-        super().__init__(robot=self.robot, max_level=ARDROS_DRIVE.max_level)
+    def __init__(self, file: FileRobot) -> None:
+        self.robot, self.time_constant = file.settings.robot, file.sim.motor_time_constant
+        super().__init__(robot=self.robot, max_level=file.drive.max_level)
 
 
 class TestArdros(TestByLevels):
-    config = ARDROS_DRIVE
-    robot = ARDROS.robot
+    file = ROBOTS["ardros"]
+    config = file.drive
+    robot = file.settings.robot
 
-    def board(self) -> ArdrosBoard:
-        return ArdrosBoard()
+    def board(self) -> FileBoard:
+        return FileBoard(self.file)
+
+
+class TestMegaL298n(TestArdros):
+    file = ROBOTS["mega_l298n"]
+    config = file.drive
+    robot = file.settings.robot
+
+
+class TestMegaBts7960(TestArdros):
+    file = ROBOTS["mega_bts7960"]
+    config = file.drive
+    robot = file.settings.robot

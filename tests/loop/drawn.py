@@ -1,6 +1,5 @@
-"""A drawn Ardros on a drive of ten seconds: what it does of what it is asked, and what odometry makes of it."""
+"""A drawn robot of a robot file on a drive of ten seconds: what it does of what it is asked, and odometry of it."""
 
-import math
 import statistics
 from typing import Final, NamedTuple
 
@@ -11,21 +10,14 @@ from giraff_core.kinematics.pose import ELLIPSE_95, mahalanobis
 from giraff_sim.truth import draw_truth
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room
-from tests.support.ardros import ARDROS, SIM
+from tests.support.robot_files import ROBOTS
 
-_WHEEL: Final = SIM.truth.calibrated_wheel_scale / math.sqrt(3.0)
-_TRACK: Final = SIM.truth.calibrated_track_scale / math.sqrt(3.0)
-_CALIBRATION: Final = Calibration(date="2026-11-27", covariance=(_WHEEL**2, 0.0, 0.0, _WHEEL**2, 0.0, _TRACK**2))
-"""It doubts as much as a calibrated robot is drawn from: evenly, within a share to either side."""
-CALIBRATED: Final = msgspec.structs.replace(
-    ARDROS, robot=msgspec.structs.replace(ARDROS.robot, calibration=_CALIBRATION)
-)
 LEGS: Final = ((-3.2, 1.8, 2.5), (0.0, -3.0, 1.5), (4.0, 2.2, 2.5))
 """After three seconds straight ahead: tilt x and y (m/s²), s. Backward, in place, and a curve forward."""
 _SPEEDS_UP: Final = 2.0
 _STEADY: Final = 1.0  # s
 _SAMPLES: Final = 25
-_WAY: Final = 2.0  # m
+_WAY: Final = 2.0  # m, of a robot of 0.6 m/s
 _SLOWER: Final = 0.03
 
 
@@ -39,10 +31,18 @@ class Drive(NamedTuple):
     """Of what was asked: how fast the robot truly was, straight ahead at full tilt."""
 
 
-def drive(seed: int) -> Drive:
-    """Drive the calibrated robot of this seed."""
-    truth = draw_truth("calibrated", SIM.truth, seed, _CALIBRATION)
-    with closed_loop(proving_room(), CALIBRATED, sim=SIM, seed=seed, truth=truth) as loop:
+def drive(name: str, seed: int) -> Drive:
+    """Drive the calibrated robot of this file and seed.
+
+    Its calibration doubts as much as such a robot is drawn from: evenly, within a share to either side.
+    """
+    settings, _, sim = ROBOTS[name]
+    wheel, track = (sim.truth.calibrated_wheel_scale**2 / 3.0, sim.truth.calibrated_track_scale**2 / 3.0)
+    calibration = Calibration(date="2026-11-27", covariance=(wheel, 0.0, 0.0, wheel, 0.0, track))
+    robot = msgspec.structs.replace(settings.robot, calibration=calibration)
+    calibrated = msgspec.structs.replace(settings, robot=robot)
+    truth = draw_truth("calibrated", sim.truth, seed, calibration)
+    with closed_loop(proving_room(), calibrated, sim=sim, seed=seed, truth=truth) as loop:
         plant = loop.simulation.world.plant
         arm(loop)
         hold(loop, FULL_TILT)
@@ -62,11 +62,11 @@ def drive(seed: int) -> Drive:
         return Drive(plant.contacts, plant.path_length, off, statistics.fmean(shares))
 
 
-def require_sound(seed: int) -> Drive:
+def require_sound(name: str, seed: int) -> Drive:
     """Fail where a drive touches something, is lost by more than odometry says, or is not as fast as it is asked."""
-    done = drive(seed)
+    done = drive(name, seed)
     assert done.contacts == 0
-    assert done.path > _WAY
+    assert done.path > _WAY * ROBOTS[name].settings.robot.max_wheel_speed / 0.6
     assert done.off <= ELLIPSE_95
     assert abs(done.speed - 1.0) <= _SLOWER
     return done
