@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Write schemas/giraff_schemas/wire.py, the Python side of the wire, from common/protocol.h.
 
-The header is the only declaration of the wire, but for what stands in EXTENSIONS, which have a codec each. A board whose
-whole wire stands in such a header has a protocol hash of its own, which covers both headers. This reads
+The header is the only declaration of the wire, but for the headers of EXTENSIONS, which have a codec each. A board
+whose whole wire stands in such a header has a protocol hash of its own, which covers both headers. This reads
 the part of C they are written in and refuses the rest: `enum name { NAME = number, ... };`, such enums without a name
 for constants, and `struct PACKED name { integer fields };`, whose last field may be an array.
 

@@ -43,7 +43,7 @@ class BoardType(NamedTuple):
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
     chosen_in: str = ""
-    """Table of the robot file whose `board` chooses among the boards that run the same program; empty: it runs alone."""
+    """Table of the robot file whose `board` chooses among boards of one program; empty: no other board runs its one."""
     has_programmer: bool = False
     """It is written by a programmer on its ISP connector, not through its serial port."""
 

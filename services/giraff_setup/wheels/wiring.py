@@ -95,9 +95,9 @@ def require_asked_power(motor: str, counted: Counted, most: int) -> None:
     fastest = max(abs(counted.left), abs(counted.right))
     if fastest > most:
         raise DoubtError(
-            f"{motor} ran far too fast: {fastest} ticks, where {most} are too many; take the jumpers off ENA and ENB of an "
-            "L298N, and see that no input of the driver is shorted; else correct ticks_per_metre, max_level and "
-            "max_wheel_speed"
+            f"{motor} ran far too fast: {fastest} ticks, where {most} are too many; take the jumpers off ENA and ENB "
+            "of an L298N, and see that no input of the driver is shorted; else correct ticks_per_metre, max_level "
+            "and max_wheel_speed"
         )
 
 

@@ -158,7 +158,7 @@ def test_any_doubt_writes_nothing(
         (lambda patch: patch.setattr(Bench, "trouble", BenchError("in use")), 2, "in use. Nothing was written"),
         (lambda patch: patch.setattr(Bench, "trouble", KeyboardInterrupt()), 130, "interrupted; the motors are off"),
         (lambda patch: patch.setattr(check_wheels, "require_right", refuse), 1, "a plug is loose"),
-        (lambda patch: patch.setattr(check_wheels, "most_ticks", lambda *_: 399), 1, "the first motor ran far too fast"),
+        (lambda patch: patch.setattr(check_wheels, "most_ticks", lambda *_: 399), 1, "the first motor ran far too"),
     ],
 )
 def test_a_board_in_trouble_writes_nothing(
