@@ -29,6 +29,8 @@ class Module(NamedTuple):
 
 
 _PAIR: Final = ("M+", "M-")
+_SWITCHED: Final = "12 V sw"
+"""The battery behind the switch, which the motors alone have."""
 MODULES: Final[Mapping[str, Sequence[Module]]] = {
     "mega_l298n": (
         Module(
@@ -40,8 +42,8 @@ MODULES: Final[Mapping[str, Sequence[Module]]] = {
                 ("MOTOR_1_IN1", "IN3, BIN1"),
                 ("MOTOR_1_IN2", "IN4, BIN2"),
                 ("MOTOR_1_PWM", "ENB, PWMB"),
-                ("ENABLE", "STBY (TB only)"),
-                ("5 V", "VCC (TB only)"),
+                ("ENABLE", "STBY of a TB"),
+                ("5 V", "5V, VCC"),
                 ("GND", "GND"),
             ),
             {"left": (0, ("1", "2")), "right": (3, ("3", "4"))},
@@ -77,9 +79,8 @@ MODULES: Final[Mapping[str, Sequence[Module]]] = {
 }
 _NOTES: Final[Mapping[str, Sequence[str]]] = {
     "mega_l298n": (
-        "L298N: take the jumpers off ENA and ENB. It has no",
-        "STBY, and takes no 5 V from the Mega: those two",
-        "wires are of a TB6612FNG (TB) alone.",
+        "L298N: take off the jumpers of ENA, of ENB and of its",
+        "5 V regulator. Only a TB6612FNG (TB) has STBY.",
     ),
     "mega_bts7960": (
         "Four enable inputs are on one wire. R_IS and L_IS",
@@ -88,7 +89,8 @@ _NOTES: Final[Mapping[str, Sequence[str]]] = {
 }
 _LEGEND: Final = (
     "Wires with one label, or with the sign of ground,",
-    "are joined. 5 V is that of the Mega.",
+    "are joined. 5 V is that of the Mega, 12 V sw is",
+    "behind the switch.",
     "10k: a pull-down of 10 kΩ, at the driver's end.",
 )
 
@@ -167,9 +169,11 @@ class _Canvas:
 
     def label(self, end: Point, said: str, *, towards: int) -> None:
         """The end of a wire that has `said` for its name; `towards`: -1 to the left of the point, 1 to the right."""
-        x, y = end
-        middle = x + towards * 19
-        self.lines.append(f'<rect x="{middle - 19:g}" y="{y - 9:g}" width="38" height="18" rx="4" fill="{_POWER}"/>')
+        (x, y), width = end, 16 + 7 * len(said)
+        middle = x + towards * width / 2
+        self.lines.append(
+            f'<rect x="{middle - width / 2:g}" y="{y - 9:g}" width="{width}" height="18" rx="4" fill="{_POWER}"/>'
+        )
         self.text((middle, y), said, "middle", color="#fff", bold=True)
 
     def supply(self, edge: Point, said: str, *, towards: int) -> None:
@@ -242,7 +246,7 @@ def _draw_modules(canvas: _Canvas, modules: Sequence[Module], numbers: Mapping[s
                 canvas.wire(_POWER, (right, y), (_MOTOR, y), (_MOTOR, middle))
             canvas.motor((_MOTOR, middle), wheel)
         first, terminals = module.supply
-        for offset, (printed, said) in enumerate(zip(terminals, ("12 V", "GND"), strict=True)):
+        for offset, (printed, said) in enumerate(zip(terminals, (_SWITCHED, "GND"), strict=True)):
             canvas.text((right - 6, _y(top + first + offset)), printed, "end")
             canvas.supply((right, _y(top + first + offset)), said, towards=1)
         row += 1  # the title of the next one
@@ -251,19 +255,22 @@ def _draw_modules(canvas: _Canvas, modules: Sequence[Module], numbers: Mapping[s
 
 def _draw_power(canvas: _Canvas, top: float, mega_bottom: float) -> None:
     y, pi = top + 34, (410, 530)
-    canvas.wire(_POWER, (100, y), (188, y))
-    canvas.wire(_POWER, (188, y), (212, y - 14))
-    canvas.wire(_POWER, (216, y), (pi[0], y))
+    canvas.wire(_POWER, (100, y), (pi[0], y))
+    below = y + 58
+    canvas.wire(_POWER, (216, y), (216, below), (228, below), (250, below - 12))
+    canvas.wire(_POWER, (254, below), (262, below))
+    canvas.label((262, below), _SWITCHED, towards=1)
+    canvas.text((240, below + 14), "switch", "middle")
+    for x in (180, 216):
+        canvas.joint((x, y), _POWER)
     canvas.box(_MARGIN, top, 100, top + 68, "battery", "12 V")
     canvas.ground((58, top + 68))
     canvas.resistor(120, y - 6, 34, 12)
     canvas.text((137, y - 16), "fuse", "middle")
-    canvas.text((202, y + 14), "switch", "middle")
-    canvas.joint((250, y), _POWER)
-    canvas.wire(_POWER, (250, y), (250, y - 30))
-    canvas.label((231, y - 36), "12 V", towards=1)
+    canvas.wire(_POWER, (180, y), (180, y - 30))
+    canvas.label((160, y - 38), "12 V", towards=1)
     canvas.box(276, top, 376, top + 68, "converter", "to 5 V, 3 A")
-    canvas.ground((326, top + 68))
+    canvas.ground((360, top + 68))
     canvas.box(pi[0], top, pi[1], top + 68, "Raspberry Pi")
     canvas.wire(_USB, (470, top), (470, mega_bottom))
     canvas.text((478, (top + mega_bottom) / 2), "USB", color=_USB)
@@ -301,9 +308,10 @@ def draw(board: str) -> str:
     _draw_modules(canvas, MODULES[board], numbers)
     top = mega_bottom + 46
     _draw_power(canvas, top, mega_bottom)
-    height = _draw_ranger(canvas, top)
-    for number, line in enumerate((*_LEGEND, *_NOTES[board])):
-        canvas.text((_MARGIN, top + 112 + 18 * number), line)
+    notes = (*_LEGEND, *_NOTES[board])
+    height = max(_draw_ranger(canvas, top), top + 130 + 18 * len(notes))
+    for number, line in enumerate(notes):
+        canvas.text((_MARGIN, top + 130 + 18 * number), line)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height:g}" width="{_WIDTH}"'
         ' font-family="sans-serif" font-size="13">\n'
