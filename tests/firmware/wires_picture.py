@@ -58,7 +58,7 @@ MODULES: Final[Mapping[str, Sequence[Module]]] = {
                 ("GND", "GND"),
                 ("MOTOR_0_RPWM", "RPWM"),
                 ("MOTOR_0_LPWM", "LPWM"),
-                ("ENABLE", "R_EN and L_EN"),
+                ("MOTOR_0_ENABLE", "R_EN and L_EN"),
             ),
             {"left": (0, _PAIR)},
             (3, ("B+", "B-")),
@@ -66,7 +66,7 @@ MODULES: Final[Mapping[str, Sequence[Module]]] = {
         Module(
             "right BTS7960",
             (
-                ("ENABLE", "R_EN and L_EN"),
+                ("MOTOR_1_ENABLE", "R_EN and L_EN"),
                 ("MOTOR_1_RPWM", "RPWM"),
                 ("MOTOR_1_LPWM", "LPWM"),
                 ("5 V", "VCC"),
@@ -83,8 +83,8 @@ _NOTES: Final[Mapping[str, Sequence[str]]] = {
         "5 V regulator. Only a TB6612FNG (TB) has STBY.",
     ),
     "mega_bts7960": (
-        "Four enable inputs are on one wire. R_IS and L_IS",
-        "stay free.",
+        "R_EN and L_EN of a module are one wire. R_IS and",
+        "L_IS stay free.",
     ),
 }
 _LEGEND: Final = (
@@ -217,10 +217,9 @@ def _draw_divider(canvas: _Canvas, numbers: Mapping[str, int]) -> None:
         canvas.supply((_MEGA[0], _y(row)), said, towards=-1)
 
 
-def _draw_modules(canvas: _Canvas, modules: Sequence[Module], numbers: Mapping[str, int]) -> int:
-    """Draw the drivers from the top, and return the number of their rows."""
+def _draw_modules(canvas: _Canvas, modules: Sequence[Module], numbers: Mapping[str, int]) -> None:
     left, right = _DRIVERS
-    row, before = 0, ("", 0.0)
+    row = 0
     for module in modules:
         top, last = row, row + len(module.terminals) - 1
         canvas.box(left, _y(top) - 42, right, _y(last) + 16, module.title)
@@ -229,14 +228,10 @@ def _draw_modules(canvas: _Canvas, modules: Sequence[Module], numbers: Mapping[s
             canvas.text((left + 6, y), printed)
             if name not in numbers:
                 canvas.supply((left, y), name, towards=-1)
-            elif name == before[0]:
-                canvas.joint((left - 36, before[1]), _SIGNAL)
-                canvas.wire(_SIGNAL, (left - 36, before[1]), (left - 36, y), (left, y))
             else:
                 canvas.wire(_SIGNAL, (_MEGA[1], y), (left, y))
                 canvas.text((_MEGA[1] - 8, y), f"D{numbers[name]}", "end")
                 canvas.pull_down((_MEGA[1] + 56, y), "10k")
-            before = name, y
             row += 1
         for wheel, (first, terminals) in module.motors.items():
             middle = (_y(top + first) + _y(top + first + 1)) / 2
@@ -250,7 +245,6 @@ def _draw_modules(canvas: _Canvas, modules: Sequence[Module], numbers: Mapping[s
             canvas.text((right - 6, _y(top + first + offset)), printed, "end")
             canvas.supply((right, _y(top + first + offset)), said, towards=1)
         row += 1  # the title of the next one
-    return row - 1
 
 
 def _draw_power(canvas: _Canvas, top: float, mega_bottom: float) -> None:
