@@ -28,13 +28,11 @@ static const struct servo_wiring ARDROS_SERVOS[BOARD_MOTORS] = {
     { '3', 'B', "E4" },
 };
 
-static const struct { const char *trigger, *echo; } SONARS[BOARD_SONARS] = {
-    { "A0", "E4" },
-    { "A1", "E5" },
-    { "A2", "D3" },
-};
-
-static const char *const BUMPERS_AT[BOARD_BUMPERS] = { "C0", "C1" };
+static const struct ranger_pins {
+    struct { const char *trigger, *echo; } sonar[BOARD_SONARS];
+    const char *bumper[BOARD_BUMPERS];
+} MEGA_RANGER = { { { "A0", "E4" }, { "A1", "E5" }, { "A2", "D3" } }, { "C0", "C1" } },
+  NANO_RANGER = { { { "B0", "D2" }, { "B1", "D3" }, { "B2", "D4" } }, { "B3", "B4" } };
 
 static const char JOYSTICK_SLAVE_RESET[] = "D7", JOYSTICK_BUTTON[] = "D4";
 
@@ -156,13 +154,23 @@ static int wire_joystick(struct board_model *b)
     return twi_wire(b);
 }
 
-static int wire_ranger(struct board_model *b)
+static int wire_ranger_pins(struct board_model *b, const struct ranger_pins *pins)
 {
     for (int k = 0; k < BOARD_SONARS; k++)
-        sonar_wire(b, k, SONARS[k].trigger, SONARS[k].echo);
+        sonar_wire(b, k, pins->sonar[k].trigger, pins->sonar[k].echo);
     for (int k = 0; k < BOARD_BUMPERS; k++)
-        b->inside->bumper[k] = pin_named(b->inside->avr, BUMPERS_AT[k]);
+        b->inside->bumper[k] = pin_named(b->inside->avr, pins->bumper[k]);
     return 0;
+}
+
+static int wire_ranger(struct board_model *b)
+{
+    return wire_ranger_pins(b, &MEGA_RANGER);
+}
+
+static int wire_nano_ranger(struct board_model *b)
+{
+    return wire_ranger_pins(b, &NANO_RANGER);
 }
 
 static int wire_balancer(struct board_model *b)
@@ -192,6 +200,7 @@ static const struct board {
     { "mega_bts7960", "atmega2560", 16000000, wire_mega_bts7960 },
     { "joystick", "atmega328p", 16000000, wire_joystick },
     { "ranger", "atmega2560", 16000000, wire_ranger },
+    { "nano_ranger", "atmega328p", 16000000, wire_nano_ranger },
     { "balancer", "atmega2560", 16000000, wire_balancer },
 };
 
