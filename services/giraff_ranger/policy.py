@@ -5,6 +5,7 @@ from typing import Final
 from giraff_core.robot import RobotConfig
 from giraff_core.senses import Bumper, Ultrasonic
 from giraff_core.tick_relay import TickRelay, tick_of
+from giraff_schemas.boards import RANGER_BOARD, BoardType
 from giraff_schemas.bumper import Bump
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Range, RangeState, Tick
@@ -18,9 +19,6 @@ LONGEST_ECHO_US: Final = 38_000
 
 _ASK_AFTER: Final = 0.2  # s without a frame of the bumpers; the board sends one every 50 ms
 _PATIENCE: Final = 5  # requests without an answer, until it is a fault
-_NO_BUMPERS: Final = Trouble(
-    "the ranger board tells nothing of bumpers", "flash it (make -C firmware flash BOARD=ranger)"
-)
 
 _STATES: Final[dict[int, RangeState]] = {WireState.ECHO: "echo", WireState.CLEAR: "clear"}
 
@@ -36,13 +34,16 @@ _FAULTS: Final[dict[int, Trouble]] = {
 class RangerPolicy:
     """Turns the board's frames into samples."""
 
-    def __init__(self, robot: RobotConfig) -> None:
+    def __init__(self, robot: RobotConfig, board: BoardType = RANGER_BOARD) -> None:
         self._sensors = robot.of(Ultrasonic)
         self._names = {pose.index: name for name, pose in self._sensors.items()}
         self._bumpers = robot.of(Bumper)
         self._ask_at = 0.0
         self._unanswered = 0
         self._tick_down = TickRelay()
+        self._no_bumpers = Trouble(
+            "the ranger board tells nothing of bumpers", f"flash it (make -C firmware flash BOARD={board.name})"
+        )
         self.faults: dict[str, Trouble] = {}
         """What the newest frame of each sensor complains of; NO_TROUBLE when it does not."""
 
@@ -78,7 +79,7 @@ class RangerPolicy:
         self._ask_at = now + _ASK_AFTER
         self._unanswered += 1
         if self._unanswered > _PATIENCE:
-            self.faults["bumpers"] = _NO_BUMPERS
+            self.faults["bumpers"] = self._no_bumpers
         return BumperRequestFrame(seq=self._unanswered & 0xFFFF)
 
     def on_bumpers(self, frame: BumperFrame, now: float) -> list[Bump]:

@@ -5,7 +5,6 @@ from giraff_core.robot import RobotConfig
 from giraff_core.senses import Bumper, Ultrasonic
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import RangerPolicy
-from giraff_schemas.boards import RANGER_BOARD
 from giraff_schemas.topics import BUMPER, RANGE, TICK
 from giraff_schemas.wire import RangeFrame
 from giraff_schemas.wires.bumper import BumperFrame
@@ -24,8 +23,8 @@ class Ranger:
         self, io: IO, config: RangerConfig, robot: RobotConfig, policy: type[RangerPolicy] = RangerPolicy
     ) -> None:
         self._io = io
-        self._policy = policy(robot)
-        self.link = io.board(config.port, RANGER_BOARD)
+        self._policy = policy(robot, config.board_type)
+        self.link = io.board(config.port, config.board_type)
         self._clock = io.inbox(TICK, limit=1)
         for transform in self._policy.transforms():
             io.frame(transform.child, transform)

@@ -20,7 +20,7 @@ from giraff_node.config.robot_file import ConfigError, load
 from giraff_node.process.logs import service_logger
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import Board, BoardError, Implementation
-from giraff_sim.bodies.registry import read_drive, world_of
+from giraff_sim.bodies.registry import read_drive, read_ranger, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer
@@ -210,12 +210,12 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with ExitStack() as stack:
             robot, sim = load("robot", RobotConfig), load("sim", SimConfig)
-            drive = read_drive()
+            drive, ranger = read_drive(), read_ranger()
             room = read_room(options.world)
             hand = make_hand(options.hand, room, options.seed, 0.0)
             truth = draw_truth(options.truth, sim.truth, options.seed, robot.calibration)
             world = world_of(room, robot, drive, sim, hand, options.seed, truth=truth)
-            running = stack.enter_context(simulation(world, options.only, options.boards))
+            running = stack.enter_context(simulation(world, options.only, options.boards, ranger=ranger))
             options.ports.mkdir(parents=True, exist_ok=True)
             devices = devices_of(robot, world)
             process = Process(options, running, stack, devices)

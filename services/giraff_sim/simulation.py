@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from giraff_schemas.boards import BOARDS
+from giraff_schemas.boards import BOARDS, RANGER_BOARD, BoardType
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.board import BUILD, Board, Implementation, open_board
 from giraff_sim.record import Record
@@ -104,13 +104,14 @@ def simulation(
     kinds: tuple[BoardKind, ...] = tuple(BoardKind),
     implementation: Implementation = Implementation.AVR,
     build: Path = BUILD,
+    ranger: BoardType = RANGER_BOARD,
 ) -> Iterator[Simulation]:
     """A simulation of the boards that the build holds, ended with the block."""
+    types = {**BOARDS, BoardKind.BASE: world.body.board, BoardKind.RANGER: ranger}
     boards: dict[BoardKind, Board] = {}
     try:
         for kind in kinds:
-            board_type = world.body.board if kind is BoardKind.BASE else BOARDS[kind]
-            boards[kind] = open_board(board_type, implementation, build)
+            boards[kind] = open_board(types[kind], implementation, build)
         yield Simulation(boards, world)
     finally:
         for board in boards.values():

@@ -81,7 +81,7 @@ def closed_loop(
 ) -> Iterator[ClosedLoop]:
     """A robot that is exactly as its file says, unless another `truth` is given."""
     world = world_of(room, settings.robot, settings.base.drive, sim, StillHand(), seed, step_us, truth=truth or Truth())
-    with simulation(world, implementation=implementation) as running:
+    with simulation(world, implementation=implementation, ranger=settings.ranger.board_type) as running:
         yield ClosedLoop(running, settings, services, observer=observer)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from giraff_schemas.boards import NANO_RANGER_BOARD, RANGER_BOARD, BoardType
 from giraff_schemas.wire import BoardKind, HelloFrame, RangeFault, RangeFrame, RangeState, ResetCause, TickFrame
 from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
 from giraff_sim.board import Board, Implementation
@@ -142,6 +143,32 @@ def test_every_kind_of_answer_in_turn_stays_with_its_sensor(ranger: Line) -> Non
         (1, RangeState.FAULT),
         (2, RangeState.FAULT),
     }
+
+
+@pytest.mark.parametrize("board", [RANGER_BOARD, NANO_RANGER_BOARD], ids=lambda board: str(board.name))
+def test_overlapping_echoes_stay_apart_on_the_real_board(board: BoardType) -> None:
+    """Clones hold their line high for 180 ms, during which the others answer."""
+    answers = {0: 5800.0, 1: 180_000.0, 2: 11_600.0}
+    world = world_in(room_with_wall(2.0))
+    with simulation(world, (BoardKind.RANGER,), Implementation.AVR, ranger=board) as running:
+        line = Line(running, BoardKind.RANGER)
+        hear(line, lambda sensor: answers[sensor])
+        line.run(0.05)
+        line.send(BumperRequestFrame(seq=1))
+        line.run(0.05)
+        for bumper in range(2):
+            running.boards[BoardKind.RANGER].model.bumper_open[bumper] = 1
+            line.run(0.45)
+    assert line.last(HelloFrame).board == board.number
+    told = line.all(RangeFrame)
+    assert len(told) > 10
+    assert {frame.sensor: frame.state for frame in told} == {
+        0: RangeState.ECHO,
+        1: RangeState.CLEAR,
+        2: RangeState.ECHO,
+    }
+    assert all(frame.echo_us == pytest.approx(answers[frame.sensor], abs=20) for frame in told)
+    assert [switches for switches, _ in itertools.groupby(frame.open for frame in line.all(BumperFrame))] == [0, 1, 3]
 
 
 def test_a_range_carries_the_newest_tick_held_at_its_trigger(ranger: Line) -> None:

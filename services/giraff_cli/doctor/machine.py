@@ -24,8 +24,9 @@ from giraff_node.network.key_bundle import CA_CERTIFICATE, COPY_AGAIN, BundleErr
 from giraff_node.network.sockets import live_sockets, socket_folder
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
+from giraff_ranger.config import RangerConfig
 from giraff_schemas.boards import BOARDS, BoardType
-from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, RUN, SERVICES
+from giraff_schemas.services import BASE, HANDS, RANGER, ROBOTS_OWN, RUN, SERVICES
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_tools.network.interfaces import interfaces, ipv6_alone
 
@@ -101,10 +102,12 @@ def geometry_of(robot: str, environment: Mapping[str, str] = os.environ) -> Geom
 
 
 def _board_of(service: str, usual: BoardType, environment: Mapping[str, str]) -> BoardType:
-    """Return the board of a service. Of base, its drive names it."""
-    if service == BASE.name:
-        with contextlib.suppress(ConfigError):
+    """Return the board of a service. Of base, its drive names it; of ranger, its table."""
+    with contextlib.suppress(ConfigError):
+        if service == BASE.name:
             return load(BASE.table, BaseConfig, environment, port="").drive.board_type
+        if service == RANGER.name:
+            return load(RANGER.table, RangerConfig, environment).board_type
     return usual
 
 

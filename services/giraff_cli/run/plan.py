@@ -20,12 +20,12 @@ from giraff_core.senses import PUBLISHERS
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
-from giraff_schemas.boards import BOARDS, BoardType
+from giraff_schemas.boards import BOARDS, RANGER_BOARD, BoardType
 from giraff_schemas.services import DEMONSTRATION, SERVICES, SIMULATED
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import BUILD, ROOT, Implementation, files_of
-from giraff_sim.bodies.registry import read_drive, with_known, world_of
+from giraff_sim.bodies.registry import read_drive, read_ranger, with_known, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.main import make_hand
 from giraff_sim.settings import Settings
@@ -101,7 +101,7 @@ def make_plan(options: Options) -> Plan:
     try:
         environment = _environment(options)
         robot = load("robot", RobotConfig, environment)
-        drive = read_drive(environment)
+        drive, ranger = read_drive(environment), read_ranger(environment)
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
         _require_sound_services(environment)
@@ -123,7 +123,7 @@ def make_plan(options: Options) -> Plan:
     for name in ("summary", "picture"):
         if (path := getattr(options, name)) is not None:
             _require_writable(f"--{name}", path)
-    boards, why = choose_boards(options.boards, drive.board_type, BUILD)
+    boards, why = choose_boards(options.boards, drive.board_type, BUILD, ranger)
     sensing = [PUBLISHERS[kind] for sense in robot.sensors.values() if (kind := sense.type_name()) in PUBLISHERS]
     asked = [service.name for service in SERVICES if service.option and getattr(options, service.option)]
     return Plan(
@@ -140,10 +140,12 @@ def make_plan(options: Options) -> Plan:
     )
 
 
-def choose_boards(wanted: Boards | None, base: BoardType, build: Path) -> tuple[Boards, str]:
+def choose_boards(
+    wanted: Boards | None, base: BoardType, build: Path, ranger: BoardType = RANGER_BOARD
+) -> tuple[Boards, str]:
     """The boards to run, and why they are not the real firmware where nobody asked for that."""
     missing: dict[Boards, list[str]] = {
-        boards: [name for name in _needed(base, Implementation(boards)) if not (build / name).is_file()]
+        boards: [name for name in _needed(base, ranger, Implementation(boards)) if not (build / name).is_file()]
         for boards in get_args(Boards)
     }
     if wanted is not None:
@@ -157,9 +159,9 @@ def choose_boards(wanted: Boards | None, base: BoardType, build: Path) -> tuple[
     raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make run builds it")
 
 
-def _needed(base: BoardType, implementation: Implementation) -> tuple[str, ...]:
-    """Return the files that a robot with this base board is run from, below the build directory."""
-    boards = {**BOARDS, BoardKind.BASE: base}.values()
+def _needed(base: BoardType, ranger: BoardType, implementation: Implementation) -> tuple[str, ...]:
+    """Return the files that a robot with these boards is run from, below the build directory."""
+    boards = {**BOARDS, BoardKind.BASE: base, BoardKind.RANGER: ranger}.values()
     return tuple(dict.fromkeys(name for board in boards for name in files_of(board, implementation)))
 
 

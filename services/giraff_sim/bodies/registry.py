@@ -12,7 +12,9 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.encoder_disk import LONGEST, Edge, Pattern, read_pattern
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load, path_of, read_tables
-from giraff_schemas.services import BASE
+from giraff_ranger.config import RangerConfig
+from giraff_schemas.boards import BoardType
+from giraff_schemas.services import BASE, RANGER
 from giraff_sim.bodies.balancer.body import KNOWN as BALANCER_KNOWN
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
@@ -35,6 +37,11 @@ DrawnBody = BalancerDrawn
 def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
     """Return the drive that the robot file names. A simulated board needs no port of it. Raises ConfigError."""
     return load(BASE.table, BaseConfig, environment, port="simulated").drive
+
+
+def read_ranger(environment: Mapping[str, str] = os.environ) -> BoardType:
+    """Return the ranger's board that the robot file names. A simulated one needs no port of it. Raises ConfigError."""
+    return load(RANGER.table, RangerConfig, environment, port="simulated").board_type
 
 
 def with_known(environment: Mapping[str, str]) -> dict[str, str]:

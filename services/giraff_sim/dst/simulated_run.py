@@ -275,7 +275,8 @@ def play(
     """Run a scenario to its end, or until each of `until_rules` is violated. `build`: where the boards are compiled."""
     robot, drive = settings.robot, settings.base.drive
     world = world_of(scenario.room, robot, drive, sim, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
-    with simulation(world, implementation=Implementation.HOST, build=build) as running:
+    ranger = settings.ranger.board_type
+    with simulation(world, implementation=Implementation.HOST, build=build, ranger=ranger) as running:
         run = SimulatedRun(running, settings, services or Services(), scenario)
         run.run(until_rules)
         plant = world.plant

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.doctor import probe
+from giraff_cli.doctor import machine, probe
 from giraff_cli.doctor.findings import as_document, findings
 from giraff_cli.doctor.inspection import (
     Disk,
@@ -301,6 +301,17 @@ def test_the_wiring_and_the_boards_of_the_file_are_not_those_of_a_simulated_robo
     given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), "GIRAFF_BASE_PORT": str(port)}
     assert (bool(wiring_problem((), given)), len(look_at_boards((), given))) == (True, 1)
     assert (wiring_problem(("run",), given), look_at_boards(("run",), given)) == (NO_TROUBLE, ())
+
+
+@pytest.mark.parametrize(("field", "board"), [("BASE_DRIVE__BOARD", "mega_l298n"), ("RANGER_BOARD", "nano_ranger")])
+def test_the_board_of_the_file_is_looked_for(
+    field: str, board: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (port := tmp_path / "port").touch()
+    monkeypatch.setattr(machine, "_greet", lambda _path, there: Trouble(there.name, "flash it"))
+    given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), f"GIRAFF_{field}": board}
+    given[f"GIRAFF_{field.partition('_')[0]}_PORT"] = str(port)
+    assert [each.problem.what for each in look_at_boards((), given)] == [board]
 
 
 @pytest.mark.parametrize(

@@ -20,13 +20,13 @@ from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import load
 from giraff_node.network.discovery import simulated_name
-from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD
+from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD, NANO_RANGER_BOARD
 from giraff_schemas.services import SIMULATED
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.bodies.registry import read_drive, with_known
+from giraff_sim.bodies.registry import read_drive, read_ranger, with_known
 from giraff_sim.world.room import read_room
 from giraff_web.config import WebConfig
 
@@ -310,6 +310,16 @@ def test_another_base_board_needs_its_own_firmware(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     (tmp_path / "firmware" / "base.elf").unlink()
     assert choose_boards(None, ARDROS_BOARD, tmp_path) == ("avr", "")
+
+
+def test_the_ranger_of_the_file_needs_its_own_firmware(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("giraff_cli.run.plan.BUILD", build(tmp_path, "avr"))
+    assert plan(boards="avr").boards == "avr"
+    monkeypatch.setenv("GIRAFF_RANGER_BOARD", "nano_ranger")
+    with pytest.raises(PlanError, match=r"--boards avr: build/firmware/nano_ranger\.elf is missing"):
+        plan(boards="avr")
+    (tmp_path / "firmware" / "nano_ranger.elf").touch()
+    assert read_ranger(plan(boards="avr").environment) is NANO_RANGER_BOARD
 
 
 @pytest.mark.parametrize(

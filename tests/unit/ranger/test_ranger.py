@@ -14,6 +14,7 @@ from giraff_node.config.robot_file import load
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
 from giraff_schemas import frames
+from giraff_schemas.boards import NANO_RANGER_BOARD, RANGER_BOARD
 from giraff_schemas.bumper import Bump
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import Range, RobotTime, Tick
@@ -194,6 +195,16 @@ def test_the_configuration_wants_a_port() -> None:
         msgspec.convert({"port": ""}, RangerConfig)
     with pytest.raises(msgspec.ValidationError, match="unknown field `sensors`"):
         msgspec.convert({"sensors": {}}, RangerConfig)
+
+
+def test_a_nano_is_a_ranger_of_the_robot_file() -> None:
+    config = msgspec.convert({"board": "nano_ranger"}, RangerConfig)
+    assert (RangerConfig().board_type, config.board_type) == (RANGER_BOARD, NANO_RANGER_BOARD)
+    ranger = RangerPolicy(BUMPED, config.board_type)
+    assert all(ranger.bumper_request(float(second)) for second in range(6))
+    assert ranger.faults["bumpers"].remedy == "flash it (make -C firmware flash BOARD=nano_ranger)"
+    with pytest.raises(msgspec.ValidationError, match="Invalid enum value 'base'"):
+        msgspec.convert({"board": "base"}, RangerConfig)
 
 
 def test_a_sensors_frame_is_where_it_sits() -> None:
