@@ -2,13 +2,15 @@
 
 import itertools
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from giraff_schemas.boards import NANO_RANGER_BOARD, RANGER_BOARD, BoardType
 from giraff_schemas.wire import BoardKind, HelloFrame, RangeFault, RangeFrame, RangeState, ResetCause, TickFrame
 from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
-from giraff_sim.board import Board, Implementation
+from giraff_sim.board import ROOT, Board, BoardError, Implementation
+from giraff_sim.main import main
 from giraff_sim.simulation import simulation
 from giraff_sim.world.sonar import NO_ECHO_US, SILENT_US, STUCK_US, SonarFault
 from tests.sim.line import Line
@@ -169,6 +171,25 @@ def test_overlapping_echoes_stay_apart_on_the_real_board(board: BoardType) -> No
     }
     assert all(frame.echo_us == pytest.approx(answers[frame.sensor], abs=20) for frame in told)
     assert [switches for switches, _ in itertools.groupby(frame.open for frame in line.all(BumperFrame))] == [0, 1, 3]
+
+
+def test_the_simulator_opens_the_board_that_the_robot_file_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened: list[BoardType] = []
+
+    def none_is_built(board: BoardType, *_: object) -> Board:
+        opened.append(board)
+        raise BoardError("none is built")
+
+    monkeypatch.setenv("GIRAFF_CONFIG", str(ROOT / "deploy" / "robot.toml"))
+    monkeypatch.setenv("GIRAFF_RANGER_BOARD", "nano_ranger")
+    monkeypatch.setattr("giraff_sim.simulation.open_board", none_is_built)
+    monkeypatch.setattr("giraff_sim.main.service_logger", lambda _name: None)
+    room = str(ROOT / "deploy" / "worlds" / "living_room.toml")
+    options = {"--ports": str(tmp_path), "--control": str(tmp_path / "c"), "--world": room, "--only": "ranger"}
+    assert main([word for option in options.items() for word in option]) == 1
+    assert opened == [NANO_RANGER_BOARD]
 
 
 def test_a_range_carries_the_newest_tick_held_at_its_trigger(ranger: Line) -> None:
