@@ -43,9 +43,16 @@ class BoardType(NamedTuple):
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
     chosen_in: str = ""
-    """Table of the robot file whose `board` chooses among boards of one program; empty: no other board runs its one."""
+    """Table of the robot file whose `board` chooses among the boards with the same program; empty: it runs alone."""
     has_programmer: bool = False
     """It is written by a programmer on its ISP connector, not through its serial port."""
+    wiring_page: str = ""
+    """Page by which a motor driver is wired to it, with a pull-down at each line; empty: its own circuit has them."""
+
+    @property
+    def tells_transitions(self) -> bool:
+        """Return whether it can tell how both channels of its encoders change."""
+        return transitions_wire.FRAME_CLASSES.keys() <= self.frames.keys()
 
     def flash_command(self, port: str) -> str:
         """Return what writes its firmware, with the board on this serial port."""
@@ -80,9 +87,15 @@ ARDROS_BOARD: Final = BoardType(
     most_counts=54_000,
     chosen_in="[base.drive]",
     has_potentiometer=True,
+    wiring_page="docs/commissioning.md",
 )
 MEGA_L298N_BOARD: Final = BoardType(
-    "mega_l298n", other_boards.MEGA_L298N_BOARD, BASE_BAUD, most_counts=54_000, chosen_in="[base.drive]"
+    "mega_l298n",
+    other_boards.MEGA_L298N_BOARD,
+    BASE_BAUD,
+    most_counts=54_000,
+    chosen_in="[base.drive]",
+    wiring_page="docs/build-on-two-wheels.md",
 )
 MEGA_BTS7960_BOARD: Final = MEGA_L298N_BOARD._replace(name="mega_bts7960", number=other_boards.MEGA_BTS7960_BOARD)
 BALANCER_BOARD: Final = BoardType(

@@ -15,6 +15,7 @@ from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import ConfigError, RawSettings, read
 from giraff_ranger.config import RangerConfig
+from giraff_schemas.boards import ALL_BOARDS, BASE_BOARD, BoardType
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.output import guard_stdout
 from giraff_tools.terminal.page import print_json, print_table, print_wrapped
@@ -78,6 +79,13 @@ def _by_hand(tables: Tables) -> str:
     return next((kind.BY_HAND for kind in KINDS if kind.__struct_config__.tag == named), "")
 
 
+def _base_board(tables: Tables) -> BoardType:
+    """Return the board that a robot on two wheels has; a stock Giraff's where the file names none that there is."""
+    named = _drive(tables).get("board")
+    chosen = (board for board in ALL_BOARDS if board.chosen_in == BASE_BOARD.chosen_in)
+    return next((board for board in chosen if board.name == named), BASE_BOARD)
+
+
 def _has(fields: Mapping[str, Any], name: str, table: str) -> StepResult:
     """Tell of a field that the step writes."""
     value = fields.get(name)
@@ -109,10 +117,34 @@ def _ports(tables: Tables) -> StepResult:
     missing = [table for table in ("base", "ranger") if not tables.get(table, {}).get("port")]
     if name and not missing:
         boards = ", ".join(str(tables[table]["port"]) for table in ("base", "ranger"))
-        return StepResult("look", f"the robot is {name}; boards on {boards}: do they answer?")
+        return StepResult("look", f"the robot is {name}; boards on {boards}: do they answer?{_ticks(tables)}")
     return StepResult(
         "left", "no name" if not name else f"no port in {' and '.join(f'[{table}]' for table in missing)}"
     )
+
+
+def _ticks(tables: Tables) -> str:
+    """Return what the counts of a metre must be. Both edges of channel A count."""
+    ticks = tables.get("robot", {}).get("ticks_per_metre")
+    if ticks is None or _by_hand(tables):
+        return ""
+    formula = "2 * pulses a turn of the motor * gear / (3.1416 * wheel diameter in m)"
+    return f" ticks_per_metre is {ticks}: is that {formula}?"
+
+
+def _before_power(tables: Tables) -> StepResult:
+    base = tables.get("base", {})
+    missing = [name for name in ("battery_low", "battery_cutoff") if name not in base]
+    if missing:
+        why = (
+            f"[base] has no {' and no '.join(missing)}: the defaults are those of 20 NiMH cells, 24 V; "
+            "write those of yours, or a weaker one engages the emergency stop at the first start"
+        )
+        return StepResult("left", why)
+    page = "" if _by_hand(tables) else _base_board(tables).wiring_page
+    if page:
+        return StepResult("look", "10 kohm to ground at each PWM, direction, enable and servo line: are they in?", page)
+    return StepResult("done", "[base] has battery_low and battery_cutoff")
 
 
 def _wiring(tables: Tables) -> StepResult:
@@ -125,7 +157,7 @@ def _wiring(tables: Tables) -> StepResult:
 
 
 def _encoders(tables: Tables) -> StepResult | None:
-    if _by_hand(tables) or _drive(tables).get("board") == "ardros":
+    if _by_hand(tables) or not _base_board(tables).tells_transitions:
         return None
     return StepResult("look", "it draws them, and writes nothing")
 
@@ -165,6 +197,7 @@ def _battery(tables: Tables) -> StepResult:
 
 STEPS: Final = (
     Step("Boards and ports", f"{_PAGE}, firmware/README.md", _ports, (WHOLE_FILE, "robot", "base", "ranger")),
+    Step("Before the motors have power", _PAGE, _before_power, ("base",)),
     Step("How the wheels are wired", "giraff check wheels", _wiring, ("base",)),
     Step("What the encoders give", "giraff check encoders", _encoders, ("base",)),
     Step("The joystick's level and axes", "giraff calibrate joystick", _joystick, ("joystick",)),

@@ -12,7 +12,6 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Latch, Wiring
-from giraff_schemas.wires.transitions import FRAME_CLASSES
 from giraff_setup.encoder.advice import advice
 from giraff_setup.encoder.quadrature import Channel, Figures, analyse
 from giraff_setup.encoder.traces import Trace, drawing, traces
@@ -88,7 +87,7 @@ def _checkable(path: Path, drive: object) -> WheelsConfig:
     """ConfigError unless the encoders of this drive can be looked at."""
     if not isinstance(drive, WheelsConfig):
         raise ConfigError(f"{path}: [base.drive] is not of type wheels, whose encoders this looks at")
-    if not FRAME_CLASSES.keys() <= drive.board_type.frames.keys():
+    if not drive.board_type.tells_transitions:
         raise ConfigError(
             f"{path}: a board of type {drive.board} cannot tell its encoders' transitions; "
             "look at both channels with an oscilloscope, or a logic analyser"

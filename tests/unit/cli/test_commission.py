@@ -14,6 +14,7 @@ from giraff_sim.board import ROOT
 from tests.unit.cli.typed import Giraff
 
 STOCK = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
+BUILT = "docs/build-on-two-wheels.md"
 TITLES = [step.title for step in STEPS]
 
 
@@ -32,6 +33,7 @@ def done() -> tomlkit.TOMLDocument:
     drive = {**dict.fromkeys(WIRING, False), "battery_volts_per_count": 0.03, "wheel_control": "speed"}
     document["base"]["drive"].update(drive)
     document["base"]["drive"]["speed_control"]["speed_p"] = 160.0
+    document["base"].update(battery_low=22.0, battery_cutoff=20.0)
     document["robot"]["calibration"] = {"date": "2026-11-28"}
     for sensor in document["robot"]["sensors"].values():
         sensor.update({"distortion": [0.0] * 5} if sensor.get("type") == "camera" else {"scale": 1.0})
@@ -53,11 +55,13 @@ def test_what_is_left_is_told_until_the_file_has_it(tmp_path: Path, giraff: Gira
     assert (code, list(told)) == (1, TITLES)
     assert "done" not in told.values()
     _, out, _ = giraff("commission", "--file", str(path))
-    assert f"{path}: 7 left. Next: how the wheels are wired, by giraff check wheels." in " ".join(out.split())
+    assert f"{path}: 8 left. Next: before the motors have power, by docs/commissioning.md." in " ".join(out.split())
 
     path.write_text(tomlkit.dumps(done()), encoding="utf-8")
-    code, told, _ = statuses(path, giraff)
+    code, told, rows = statuses(path, giraff)
     assert (code, set(told.values())) == (0, {"done", "look"})
+    assert told["Before the motors have power"] == "done"
+    assert "ticks_per_metre is 2002.0594: is that 2 * pulses" in rows["Boards and ports"]["why"]
 
 
 def test_a_robot_that_balances_has_no_steps_of_wheels(giraff: Giraff) -> None:
@@ -65,7 +69,30 @@ def test_a_robot_that_balances_has_no_steps_of_wheels(giraff: Giraff) -> None:
     assert not {"What the encoders give", "Speeds that are held"} & told.keys()
     assert told["The battery"] == "done"
     assert rows["How the wheels are wired"]["how"] == "docs/build-a-balancer.md"
-    assert rows["The battery"]["number"] == "7", "as on the page"
+    assert rows["The battery"]["number"] == "8", "as on the page"
+    assert told["Before the motors have power"] == "done"
+    assert "ticks_per_metre" not in rows["Boards and ports"]["why"]
+
+
+@pytest.mark.parametrize(
+    ("name", "page"), [("ardros", "docs/commissioning.md"), ("mega_l298n", BUILT), ("mega_bts7960", BUILT)]
+)
+def test_a_board_whose_lines_float_in_reset_needs_pull_downs(giraff: Giraff, name: str, page: str) -> None:
+    _, told, rows = statuses(ROOT / "deploy" / "robots" / f"{name}.toml", giraff)
+    row = rows["Before the motors have power"]
+    assert (row["status"], row["how"]) == ("look", page)
+    assert "10 kohm to ground" in row["why"]
+    assert "What the encoders give" not in told, "its channel B raises no interrupt"
+
+
+def test_a_battery_that_the_file_only_half_tells_is_left(tmp_path: Path, giraff: Giraff) -> None:
+    path = tmp_path / "robot.toml"
+    document = done()
+    del document["base"]["battery_cutoff"]
+    path.write_text(tomlkit.dumps(document), encoding="utf-8")
+    _, told, rows = statuses(path, giraff)
+    assert [title for title, status in told.items() if status == "left"] == ["Before the motors have power"]
+    assert "[base] has no battery_cutoff: the defaults" in rows["Before the motors have power"]["why"]
 
 
 @pytest.mark.parametrize(

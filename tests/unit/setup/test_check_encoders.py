@@ -209,6 +209,7 @@ def test_a_wheel_that_the_board_stops_is_named_with_the_cause(
     ("change", "svg", "told"),
     [
         ({"board": "ardros"}, None, "a board of type ardros cannot tell its encoders' transitions"),
+        ({"board": "mega_l298n"}, None, "a board of type mega_l298n cannot tell its encoders' transitions"),
         ({"swap_encoders": None}, None, "the wiring is not checked; lift the wheels, then run `giraff check wheels`"),
         ({"type": "balancer"}, None, "[base"),
         ({}, "none/traces.svg", "cannot be written: there is no such folder; make it"),
