@@ -13,8 +13,10 @@ Point = tuple[float, float]
 _MARGIN, _WIDTH, _ROW, _TOP = 16, 980, 36, 112
 _MEGA, _PARTS, _DRIVERS, _MOTOR = (400, 540), (96, 236), (680, 850), 920
 _INK, _SIGNAL, _ENCODER, _POWER, _USB = "#333", "#1d5fa8", "#1a7a3c", "#b3261e", "#6a4a9c"
-SONARS: Final = (("front left", 8, 2), ("front right", 9, 3), ("rear", 10, 4))
-"""At the Nano: a sensor, its trigger and its echo."""
+_SONARS: Final = ("front left", "front right", "rear")
+"""By their numbers at the Nano."""
+_NANO_PORT_B: Final = 8
+"""D8 is its first pin; that of port D is D0."""
 
 
 class Module(NamedTuple):
@@ -274,10 +276,12 @@ def _draw_power(canvas: _Canvas, top: float, mega_bottom: float) -> None:
 
 def _draw_ranger(canvas: _Canvas, top: float) -> float:
     """Draw the Nano with its sensors, and return where they end."""
+    numbers = pins("nano_ranger")
     pitch, (left, right), sensor = 28, (630, 745), (800, 956)
     bottom = top + 26 + pitch * 6
     canvas.box(left, top, right, bottom, "Arduino Nano")
-    for index, (name, trigger, echo) in enumerate(SONARS):
+    for index, name in enumerate(_SONARS):
+        trigger, echo = _NANO_PORT_B + numbers["TRIGGER_0"] + index, numbers["ECHO_0"] + index
         first = top + 40 + pitch * 2 * index
         canvas.box(sensor[0], first - 14, sensor[1], first + pitch + 12, "")
         canvas.text((sensor[1] - 8, first), "HC-SR04", "end", bold=True)
