@@ -27,6 +27,9 @@ class BoardLink:
     only behind a torn one, or out of an adapter that held up its start: by less than the longest frame takes.
 
     A loop that was woken by the link asks `ready` first: a part of a frame is no reason for a turn.
+
+    Each board reports unasked, so that nothing is sent before it has spoken: a Mega whose port was just opened is in its
+    boot loader (Arduino's stk500boot.c), which does not start the program as long as bytes come in.
     """
 
     def __init__(self, path: str, board: BoardType, serial: SerialLink | None = None) -> None:
@@ -44,6 +47,7 @@ class BoardLink:
         self._heard = 0.0
         self._strange = 0  # bytes since the last frame, or since the port was opened
         self._next_request = 0.0
+        self._has_spoken = False  # since the port was opened
         self.mismatch = NO_TROUBLE
         """Why the board that answers is not the right one."""
         self._silence = NO_TROUBLE  # why the port was closed last, until a board answers
@@ -101,11 +105,13 @@ class BoardLink:
             self._heard = now
             self._next_request = now
             self._strange = 0
+            self._has_spoken = False
         self._serial.flush()
         data = self._serial.read()
         arrived = self._decoder.feed(data)
         self._rest(len(data), now)
         self._strange += len(data)
+        self._has_spoken = self._has_spoken or bool(data)
         if arrived:
             self._heard, self._strange = now, 0
             self._silence = NO_TROUBLE
@@ -114,7 +120,7 @@ class BoardLink:
             if now - self._heard > SILENCE:
                 self._silence = self._why_silent(now - self._heard)
                 self._serial.close(self._silence)
-            elif self.hello is None and now >= self._next_request:
+            elif self._has_spoken and self.hello is None and now >= self._next_request:
                 self._next_request = now + HELLO_PERIOD
                 self._seq = (self._seq + 1) & 0xFFFF
                 self.send(HelloRequestFrame(seq=self._seq))
@@ -131,8 +137,12 @@ class BoardLink:
         )
 
     def send(self, frame: Frame) -> None:
-        """Send `frame`; a newer one replaces it until the kernel has begun to take it."""
-        self._serial.send(encode(frame.pack()))
+        """Send `frame`; a newer one replaces it until the kernel has begun to take it.
+
+        Nothing is kept for a board that has not spoken.
+        """
+        if self._has_spoken:
+            self._serial.send(encode(frame.pack()))
 
     def close(self) -> None:
         """Let go of the port."""

@@ -56,7 +56,7 @@ class SerialLink:
             # What was queued before now is of another life: of an earlier session, or of a board's earlier boot.
             self._port.reset_input_buffer()
             self._port.reset_output_buffer()
-            _tell_end_from_silence(self._port.fileno())
+            _set_line(self._port.fileno())
         except (serial.SerialException, OSError, ValueError, termios.error) as error:
             self.close(_explain(self.path, error))
             return False
@@ -125,9 +125,14 @@ class SerialLink:
             self.close(_explain(self.path, error))
 
 
-def _tell_end_from_silence(descriptor: int) -> None:
-    """Make a read without data an error, which pyserial's VMIN=0 makes look like the end of a dead port."""
+def _set_line(descriptor: int) -> None:
+    """Make a read without data an error, which pyserial's VMIN=0 makes look like the end of a dead port.
+
+    And let DTR stay when the port is closed: an Arduino is reset as it comes back, and then is in its boot loader for
+    1 to 2 s. A port that is opened again and again because of that silence would never hear its program.
+    """
     attributes = termios.tcgetattr(descriptor)
+    attributes[2] &= ~termios.HUPCL
     attributes[6][termios.VMIN] = 1
     termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
 

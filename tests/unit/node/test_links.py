@@ -4,6 +4,7 @@ import contextlib
 import os
 import random
 import select
+import termios
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -222,13 +223,24 @@ def ranger(port: FakePort) -> Iterator[BoardLink]:
 
 
 def test_nothing_is_believed_before_a_matching_hello(port: FakePort, ranger: BoardLink) -> None:
-    assert [type(frame) for frame in Decoder().feed(port.heard())] == [HelloRequestFrame]
     port.say(encode(PING.pack()))
     assert ranger.poll(0.1) == []
+    assert [type(frame) for frame in Decoder().feed(port.heard())] == [HelloRequestFrame]
     assert "no reports from a ranger board" in str(ranger.fault)
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
     assert ranger.poll(0.2) == [HELLO, PING]
     assert ranger.fault == NO_TROUBLE
+
+
+def test_nothing_disturbs_a_boot_loader(port: FakePort, ranger: BoardLink) -> None:
+    """Which says nothing by itself. DTR stays when the port is closed, since a Mega is reset as it comes back."""
+    for step in range(1, 9):
+        ranger.poll(step * 0.1)
+        ranger.send(TickFrame(seq=step, epoch=1, robot_ns=step))
+    descriptor = ranger.descriptor()
+    assert descriptor is not None
+    assert not termios.tcgetattr(descriptor)[2] & termios.HUPCL
+    assert port.heard() == b""
 
 
 def test_hello_is_asked_for_until_it_is_answered(port: FakePort, ranger: BoardLink) -> None:
