@@ -1,21 +1,25 @@
-"""A kind of drive is one word: for its folders, its tag in the robot file, and the test of its contract."""
+"""A kind of drive, as a board, is one word: for its folders, in the robot file, and for the test of its contract."""
 
 import re
 from pathlib import Path
-from typing import get_type_hints
+from typing import get_args, get_type_hints
 
 import msgspec
 import pytest
 
 from giraff_base.config import KINDS, BaseConfig
+from giraff_base.drives.wheels.config import BoardName
 from giraff_core.bounds import bounds_of
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning, live_fields
 from giraff_node.config.robot_file import load
+from giraff_ranger.config import RangerConfig
+from giraff_schemas.boards import ALL_BOARDS
 from tests.rules.repository import ROOT, imported_by, name, sources
 
 DRIVES = ROOT / "services" / "giraff_base" / "drives"
 BODIES = ROOT / "services" / "giraff_sim" / "bodies"
+BOARDS = ROOT / "firmware" / "boards"
 CONTRACT = ROOT / "tests" / "unit" / "base" / "drives"
 ONE_FIRMWARE = frozenset(
     ("WheelsFrame", "DriveFrame", "SpeedFrame", "ConfigureFrame", "EstopFrame", "DriveState", "SpeedFlag")
@@ -48,6 +52,15 @@ def tags() -> set[str]:
 def test_each_kind_has_its_folders_its_tag_and_its_contract() -> None:
     tests = [path for path in CONTRACT.glob("test_*.py") if "(AnyDrive)" in path.read_text(encoding="utf-8")]
     assert folders(DRIVES) == folders(BODIES) == tags() == {path.stem.removeprefix("test_") for path in tests}
+
+
+def test_each_board_has_its_folder_its_number_and_its_word_in_the_robot_file() -> None:
+    names = [board.name for board in ALL_BOARDS]
+    assert sorted(names) == sorted(path.parent.name for path in BOARDS.glob("*/board.mk"))
+    assert len({board.number for board in ALL_BOARDS}) == len(names)
+    words = {"[base.drive]": get_args(BoardName), "[ranger]": get_args(get_type_hints(RangerConfig)["board"])}
+    chosen = {table: tuple(board.name for board in ALL_BOARDS if board.chosen_in == table) for table in words}
+    assert chosen == words
 
 
 @pytest.mark.parametrize("kind", KINDS)
