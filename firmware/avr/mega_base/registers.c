@@ -19,6 +19,8 @@ _Static_assert(1 EACH_PWM_PIN(AND_IS_PWM), "pins.h has PWM at a pin other than 2
 _Static_assert(HAS_INTERRUPT(ENCODER_0_A) && HAS_INTERRUPT(ENCODER_1_A),
                "pins.h has channel A of an encoder at a pin other than 2, 3, 18 to 21");
 
+_Static_assert(BATTERY_CHANNEL >= 0 && BATTERY_CHANNEL <= 15, "pins.h has the battery at a pin other than A0 to A15");
+
 /* ICRn can be written only after the mode is chosen ("Input Capture Unit"). */
 #define START_TIMER(pin) \
     CONTROL(pin) = MODE_A; \
