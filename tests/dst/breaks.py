@@ -212,7 +212,7 @@ BREAKS: Final = (
     Break("base sudden", 0, "g", Services(base=partial(Base, policy=SuddenBase))),
     Break("guard turned", 5, "e", Services(guard=partial(Guard, policy=TurnedGuard))),
     Break("joystick lingering", 0, "c", Services(joystick=partial(Joystick, policy=LingeringJoystick))),
-    Break("ranges late", 24, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
+    Break("ranges late", 57, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
     Break("guard half", 61, "e", Services(guard=partial(Guard, policy=HalfGuard))),
     Break("guard close", 5, "e", Services(guard=partial(Guard, policy=CloseGuard))),
     Break("base mirrored", 0, "c", Services(base=partial(Base, policy=MirroredBase))),

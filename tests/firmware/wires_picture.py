@@ -48,7 +48,7 @@ MODULES: Final[Mapping[str, Sequence[Module]]] = {
                 ("5 V", "5V, VCC"),
                 ("GND", "GND"),
             ),
-            {"left": (0, ("1", "2")), "right": (3, ("3", "4"))},
+            {"left": (0, ("OUT1, AO1", "OUT2, AO2")), "right": (3, ("OUT3, BO1", "OUT4, BO2"))},
             (5, ("12V, VM", "GND")),
         ),
     ),
@@ -82,7 +82,8 @@ MODULES: Final[Mapping[str, Sequence[Module]]] = {
 _NOTES: Final[Mapping[str, Sequence[str]]] = {
     "mega_l298n": (
         "L298N: take off the jumpers of ENA, of ENB and of its",
-        "5 V regulator. Only a TB6612FNG (TB) has STBY.",
+        "5 V regulator. ENA and ENB are the pins in the row of",
+        "IN1 to IN4. Only a TB6612FNG (TB) has STBY.",
     ),
     "mega_bts7960": (
         "R_EN and L_EN of a module are one wire. R_IS and",
@@ -265,7 +266,7 @@ def _draw_power(canvas: _Canvas, top: float, mega_bottom: float) -> None:
     canvas.text((137, y - 16), "fuse", "middle")
     canvas.wire(_POWER, (180, y), (180, y - 30))
     canvas.label((160, y - 38), "12 V", towards=1)
-    canvas.box(276, top, 376, top + 68, "converter", "to 5 V, 3 A")
+    canvas.box(276, top, 376, top + 68, "converter", "to 5 V")
     canvas.ground((360, top + 68))
     canvas.box(pi[0], top, pi[1], top + 68, "Raspberry Pi")
     canvas.wire(_USB, (470, top), (470, mega_bottom))
