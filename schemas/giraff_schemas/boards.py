@@ -46,6 +46,8 @@ class BoardType(NamedTuple):
     """Table of the robot file whose `board` chooses among the boards with the same program; empty: it runs alone."""
     has_programmer: bool = False
     """It is written by a programmer on its ISP connector, not through its serial port."""
+    has_own_pins: bool = False
+    """Makers may wire it to other pins, for which they flash a folder of their own. It says the same number."""
     wiring_page: str = ""
     """Page by which a motor driver is wired to it, with a pull-down at each line; empty: its own circuit has them."""
 
@@ -56,7 +58,8 @@ class BoardType(NamedTuple):
 
     def flash_command(self, port: str) -> str:
         """Return what writes its firmware, with the board on this serial port."""
-        return f"make -C firmware flash BOARD={self.name} PORT={'usb' if self.has_programmer else port}"
+        command = f"make -C firmware flash BOARD={self.name} PORT={'usb' if self.has_programmer else port}"
+        return f"{command} (or BOARD= the folder of your own pins)" if self.has_own_pins else command
 
 
 BASE_BOARD: Final = BoardType(
@@ -95,6 +98,7 @@ MEGA_L298N_BOARD: Final = BoardType(
     BASE_BAUD,
     most_counts=54_000,
     chosen_in="[base.drive]",
+    has_own_pins=True,
     wiring_page="docs/build-on-two-wheels.md",
 )
 MEGA_BTS7960_BOARD: Final = MEGA_L298N_BOARD._replace(name="mega_bts7960", number=other_boards.MEGA_BTS7960_BOARD)

@@ -23,24 +23,26 @@ from tests.sim.test_encoder_check import SimulatedPort
 PWM, IN1, IN2 = 0, 1, 2
 RPWM, LPWM, R_EN, L_EN = 0, 1, 2, 3
 BACKWARD_ALONE: Final = "the first motor turns backward and not forward; check the wires of its driver's direction"
-FORWARD_ALONE: Final = "the left wheel turns forward and not backward; check the wires of its driver's direction"
+FORWARD_ALONE: Final = "the left wheel turns forward and not backward as well"
 DEAD: Final = "the motor was driven and nothing turned"
 FULL_POWER: Final = "the first motor ran far too fast"
-"""Said of the left wheel's driver."""
+"""Said of the left wheel's driver, which is motor 0."""
 
 FAULTS: Final = [
-    ("mega_l298n", "low", PWM, DEAD),
-    ("mega_l298n", "low", IN1, BACKWARD_ALONE),
-    ("mega_l298n", "low", IN2, FORWARD_ALONE),
-    ("mega_l298n", "high", PWM, FULL_POWER),
-    ("mega_l298n", "high", IN1, FORWARD_ALONE),
-    ("mega_l298n", "high", IN2, BACKWARD_ALONE),
-    ("mega_bts7960", "low", RPWM, BACKWARD_ALONE),
-    ("mega_bts7960", "low", LPWM, FORWARD_ALONE),
-    ("mega_bts7960", "low", R_EN, DEAD),
-    ("mega_bts7960", "low", L_EN, DEAD),
-    ("mega_bts7960", "high", RPWM, FULL_POWER),
-    ("mega_bts7960", "high", LPWM, FULL_POWER),
+    ("mega_l298n", 0, "low", PWM, DEAD),
+    ("mega_l298n", 0, "low", IN1, BACKWARD_ALONE),
+    ("mega_l298n", 0, "low", IN2, FORWARD_ALONE),
+    ("mega_l298n", 0, "high", PWM, FULL_POWER),
+    ("mega_l298n", 0, "high", IN1, FORWARD_ALONE),
+    ("mega_l298n", 0, "high", IN2, BACKWARD_ALONE),
+    ("mega_bts7960", 0, "low", RPWM, BACKWARD_ALONE),
+    ("mega_bts7960", 0, "low", LPWM, FORWARD_ALONE),
+    ("mega_bts7960", 0, "low", R_EN, DEAD),
+    ("mega_bts7960", 0, "low", L_EN, DEAD),
+    ("mega_bts7960", 0, "high", RPWM, FULL_POWER),
+    ("mega_bts7960", 0, "high", LPWM, FULL_POWER),
+    ("mega_bts7960", 1, "high", RPWM, FULL_POWER.replace("first", "second")),
+    ("mega_l298n", 1, "low", IN2, FORWARD_ALONE.replace("left", "right")),
 ]
 
 
@@ -92,9 +94,11 @@ def board(drive: WheelsConfig, monkeypatch: pytest.MonkeyPatch) -> Iterator[Boar
     made.close()
 
 
-@pytest.mark.parametrize(("drive", "kind", "wire", "told"), FAULTS, indirect=["drive"])
-def test_a_fault_of_a_driver_is_named(drive: WheelsConfig, board: Board, kind: str, wire: int, told: str) -> None:
-    setattr(board.model.motor[0], f"inputs_{kind}", 1 << wire)
+@pytest.mark.parametrize(("drive", "motor", "kind", "wire", "told"), FAULTS, indirect=["drive"])
+def test_a_fault_of_a_driver_is_named(
+    drive: WheelsConfig, board: Board, motor: int, kind: str, wire: int, told: str
+) -> None:
+    setattr(board.model.motor[motor], f"inputs_{kind}", 1 << wire)
     wheels = WheelBench("simulated", drive.board_type, load("robot", RobotConfig).ticks_per_metre)
     wheels.open()
     with pytest.raises(DoubtError, match=told):

@@ -87,6 +87,7 @@
 #define CONTROL(pin) TCCRA_AT(AT(PWM_AT_, pin))
 #define CONTROL_B(pin) TCCRB_AT(AT(PWM_AT_, pin))
 #define TOP(pin) ICR_AT(AT(PWM_AT_, pin))
+#define COUNTER(pin) TCNT_AT(AT(PWM_AT_, pin))
 #define CONNECTED(pin) COM_AT(AT(PWM_AT_, pin))
 
 #define INTERRUPT(pin) AT(INT_AT_, pin)
@@ -111,6 +112,8 @@
 #define TCCRB_OF(timer, channel) TCCR##timer##B
 #define ICR_AT(...) ICR_OF(__VA_ARGS__)
 #define ICR_OF(timer, channel) ICR##timer
+#define TCNT_AT(...) TCNT_OF(__VA_ARGS__)
+#define TCNT_OF(timer, channel) TCNT##timer
 #define COM_AT(...) COM_OF(__VA_ARGS__)
 #define COM_OF(timer, channel) (1 << COM##timer##channel##1)
 #define VECTOR_AT(number) VECTOR_OF(number)

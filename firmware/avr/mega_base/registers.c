@@ -19,6 +19,9 @@ _Static_assert(1 EACH_PWM_PIN(AND_IS_PWM), "pins.h has PWM at a pin other than 2
 _Static_assert(HAS_INTERRUPT(ENCODER_0_A) && HAS_INTERRUPT(ENCODER_1_A),
                "pins.h has channel A of an encoder at a pin other than 2, 3, 18 to 21");
 
+#define NOT_TWI(pin) && (pin) != 20 && (pin) != 21
+_Static_assert(1 EACH_OUTPUT(NOT_TWI), "pins.h has an output at 20 or 21, where the Mega itself has pull-ups");
+
 _Static_assert(BATTERY_CHANNEL >= 0 && BATTERY_CHANNEL <= 15, "pins.h has the battery at a pin other than A0 to A15");
 
 /* ICRn can be written only after the mode is chosen ("Input Capture Unit"). */
@@ -29,7 +32,7 @@ _Static_assert(BATTERY_CHANNEL >= 0 && BATTERY_CHANNEL <= 15, "pins.h has the ba
 
 void hal_start_motors(void)
 {
-    enum { MODE_A = _BV(WGM11), MODE_B = _BV(WGM13) | _BV(WGM12) | _BV(CS10) };     /* the same bits in each timer */
+    enum { MODE_A = _BV(WGM11), MODE_B = _BV(WGM13) | _BV(WGM12) | PWM_CLOCK };     /* the same bits in each timer */
     /* All outputs have been low since motors_off.S. */
     EACH_PWM_PIN(START_TIMER)
 }

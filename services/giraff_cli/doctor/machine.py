@@ -30,7 +30,7 @@ from giraff_schemas.services import BASE, HANDS, RANGER, ROBOTS_OWN, RUN, SERVIC
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_tools.network.interfaces import interfaces, ipv6_alone
 
-_HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
+_HELLO_WITHIN: Final = 3.0  # s; an Arduino starts anew when its port is opened: a Mega after 1 to 2 s
 _TURN: Final = 0.01  # s
 CORRECT_IT: Final = "correct the robot file, or the variable"
 

@@ -12,6 +12,7 @@ from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 HELLO_PERIOD = 0.25  # s between two requests while none was answered
 SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
 _SILENT: Final = Trouble(f"silent for {SILENCE:g} s", "check the board's power and cable")
+LATELY: Final = 0.3  # s; the ranger, which says least, reports every 0.06 s
 _STRANGE: Final = 100
 """Bytes without a frame, in the time of silence, from which another device is there. A torn frame has fewer."""
 _READS_AGAIN: Final = 0.02
@@ -28,8 +29,8 @@ class BoardLink:
 
     A loop that was woken by the link asks `ready` first: a part of a frame is no reason for a turn.
 
-    Each board reports unasked, so that nothing is sent before it has spoken: a Mega whose port was just opened is in its
-    boot loader (Arduino's stk500boot.c), which does not start the program as long as bytes come in.
+    Each board reports unasked, so that nothing is sent to one that has not spoken lately: a Mega that was reset, as by
+    opening its port, is in its boot loader (Arduino's stk500boot.c), which does not start the program while bytes come.
     """
 
     def __init__(self, path: str, board: BoardType, serial: SerialLink | None = None) -> None:
@@ -47,7 +48,8 @@ class BoardLink:
         self._heard = 0.0
         self._strange = 0  # bytes since the last frame, or since the port was opened
         self._next_request = 0.0
-        self._has_spoken = False  # since the port was opened
+        self._has_spoken = False  # lately
+        self._spoke = -inf  # s, monotonic; when bytes came last
         self.mismatch = NO_TROUBLE
         """Why the board that answers is not the right one."""
         self._silence = NO_TROUBLE  # why the port was closed last, until a board answers
@@ -105,13 +107,15 @@ class BoardLink:
             self._heard = now
             self._next_request = now
             self._strange = 0
-            self._has_spoken = False
+            self._spoke = -inf
         self._serial.flush()
         data = self._serial.read()
         arrived = self._decoder.feed(data)
         self._rest(len(data), now)
         self._strange += len(data)
-        self._has_spoken = self._has_spoken or bool(data)
+        if data:
+            self._spoke = now
+        self._has_spoken = now - self._spoke < LATELY
         if arrived:
             self._heard, self._strange = now, 0
             self._silence = NO_TROUBLE
@@ -139,7 +143,7 @@ class BoardLink:
     def send(self, frame: Frame) -> None:
         """Send `frame`; a newer one replaces it until the kernel has begun to take it.
 
-        Nothing is kept for a board that has not spoken.
+        Nothing is kept for a board that has not spoken lately.
         """
         if self._has_spoken:
             self._serial.send(encode(frame.pack()))
@@ -173,7 +177,7 @@ class BoardLink:
             there = _board_of(hello.board)
             name = f"kind {hello.board}" if there is None else there.name
             told = f"{path}: a {name} board is there, not a {self.board.name} board"
-            if there is None or there.chosen_in != self.board.chosen_in:
+            if there is None or not there.chosen_in or there.chosen_in != self.board.chosen_in:
                 return Trouble(told, "swap the ports")
             chosen = f'write board = "{name}" into {there.chosen_in} if that one is right'
             return Trouble(told, f"{chosen}; else flash it: {self.board.flash_command(path)}")

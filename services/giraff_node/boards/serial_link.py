@@ -11,6 +11,8 @@ import serial
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 REOPEN_PERIOD = 0.1  # s between two attempts
+SETTLES = 0.05
+"""s after opening, in which an adapter gives what a board said before that reset it."""
 NO_PORT: Final = Trouble("no such port", "plug the board in, or correct `port` in the robot file")
 _CORRECT: Final = "correct `port` in the robot file"
 IN_USE: Final = Trouble("in use by another process", "end that one")
@@ -40,6 +42,8 @@ class SerialLink:
         """How often the port was opened: a change means that whatever was under way is lost."""
         self._port: serial.Serial | None = None
         self._next_attempt = 0.0
+        self._settled_at = 0.0
+        self._is_settled = False
         self._unsent = b""  # rest of a frame that the kernel took in part: it must end before another begins
         self._waiting = b""  # newest frame that has not been begun
 
@@ -48,9 +52,11 @@ class SerialLink:
 
     def keep_open(self, now: float) -> bool:
         """Try to open a closed port when it is time; whether it has just been opened. `now`: monotonic, s."""
+        self._is_settled = now >= self._settled_at
         if self._port is not None or now < self._next_attempt:
             return False
         self._next_attempt = now + REOPEN_PERIOD
+        self._settled_at, self._is_settled = now + SETTLES, False
         try:
             self._port = serial.Serial(self.path, self.baud, timeout=0, write_timeout=0, exclusive=True)
             # What was queued before now is of another life: of an earlier session, or of a board's earlier boot.
@@ -90,7 +96,7 @@ class SerialLink:
                 _ = self._port.in_waiting
             except OSError as error:
                 self.close(_explain(self.path, error))
-        return data
+        return data if self._is_settled else b""
 
     def send(self, frame: bytes) -> None:
         """Send `frame` as soon as the kernel takes it; a newer one replaces it until then.

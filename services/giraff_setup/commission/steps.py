@@ -143,7 +143,8 @@ def _before_power(tables: Tables) -> StepResult:
         return StepResult("left", why)
     page = "" if _by_hand(tables) else _base_board(tables).wiring_page
     if page:
-        return StepResult("look", "10 kohm to ground at each PWM, direction, enable and servo line: are they in?", page)
+        lines = "10 kohm to ground at each PWM, direction, enable and servo line, and nothing else that holds it high"
+        return StepResult("look", f"{lines}: is it so?", page)
     return StepResult("done", "[base] has battery_low and battery_cutoff")
 
 

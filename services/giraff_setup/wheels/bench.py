@@ -18,7 +18,7 @@ from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import DriveState, Frame, Latch, Refusal, WheelsFrame, Wiring
 from giraff_setup.wheels.wiring import Counted, Side
 
-_SILENCE: Final = 2.0  # s; an adapter that resets its board costs half of it
+_SILENCE: Final = 3.0  # s; a Mega that is reset as its port is opened takes 1 to 2 s
 _STEP_WITHIN: Final = 2.0  # s for what the board does at once
 _WAIT: Final = 0.05  # s
 _REST_US: Final = 200_000  # without a tick: at rest

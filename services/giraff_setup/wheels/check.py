@@ -120,8 +120,9 @@ def find_wiring(bench: WheelBench, human: Human, level: int, most: int) -> dict[
         require_right(side, counted)
         if _choice(human, f"Did the {side} wheel turn forward, and only that one?", ("yes", "no")) == "no":
             raise DoubtError("the proof does not agree with the answers before it; go through it again")
-        counted, latch = bench.drive(wiring, levels_of(side, -level), _DRIVE_TIME, level)
-        require_both_ways(f"the {side} wheel", counted, latch)
+        backward, latch = bench.drive(wiring, levels_of(side, -level), _DRIVE_TIME, level)
+        require_asked_power(f"the {side} wheel", backward, most)
+        require_both_ways(side, counted, backward, latch)
     return fields
 
 

@@ -101,10 +101,13 @@ def require_asked_power(motor: str, counted: Counted, most: int) -> None:
         )
 
 
-def require_both_ways(wheel: str, backward: Counted, latch: Latch) -> None:
-    """DoubtError unless a wheel that turns forward has turned as far when it was driven backward."""
-    if latch != Latch.NONE or encoder_that_counted(backward) is None:
-        raise DoubtError(f"{wheel} turns forward and not backward; {_ONE_WAY}")
+def require_both_ways(side: Side, forward: Counted, backward: Counted, latch: Latch) -> None:
+    """DoubtError unless the wheel, driven backward, turned alone, and half as far as forward at least."""
+    ahead, back = (each.left if side == "left" else each.right for each in (forward, backward))
+    if latch != Latch.NONE or encoder_that_counted(backward) != side or back > -ahead / 2:
+        raise DoubtError(
+            f"the {side} wheel turns forward and not backward as well: {ahead} and {back} ticks; {_ONE_WAY}"
+        )
 
 
 def require_no_motion(motor: str, backward: Counted) -> None:

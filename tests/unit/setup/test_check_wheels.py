@@ -182,7 +182,7 @@ def test_a_board_in_trouble_writes_nothing(
     ("dead", "answers", "told"),
     [
         (Levels(0, LEVEL), ["lifted", "left", "forward", "none"], "the second motor turns backward and not forward"),
-        (Levels(0, -LEVEL), honest(Wiring(0)), "the right wheel turns forward and not backward"),
+        (Levels(0, -LEVEL), honest(Wiring(0)), "forward and not backward as well: 400 and 0 ticks"),
     ],
 )
 def test_a_driver_that_drives_one_way_alone_is_named(

@@ -4,13 +4,14 @@ from typing import Literal
 
 import pytest
 
-from giraff_schemas.wire import Wiring
+from giraff_schemas.wire import Latch, Wiring
 from giraff_setup.wheels.wiring import (
     SIDES,
     Counted,
     DoubtError,
     MotorResponse,
     encoder_that_counted,
+    require_both_ways,
     require_right,
     wiring_of,
 )
@@ -82,3 +83,19 @@ def test_the_proof_takes_ticks_of_the_right_wheel_forward_only(counted: tuple[in
     require_right("left", Counted(TICKS, 1))
     with pytest.raises(DoubtError):
         require_right("left", Counted(*counted))
+
+
+@pytest.mark.parametrize(
+    ("backward", "latch"),
+    [
+        (Counted(0, 0), Latch.NONE),
+        (Counted(TICKS, 0), Latch.NONE),
+        (Counted(0, -TICKS), Latch.NONE),
+        (Counted(-TICKS // 3, 0), Latch.NONE),
+        (Counted(-TICKS, 0), Latch.LEFT_STUCK),
+    ],
+)
+def test_a_wheel_that_does_not_turn_backward_as_well_is_in_doubt(backward: Counted, latch: Latch) -> None:
+    require_both_ways("left", Counted(TICKS, 0), Counted(-TICKS, 1), Latch.NONE)
+    with pytest.raises(DoubtError, match="the left wheel turns forward and not backward as well"):
+        require_both_ways("left", Counted(TICKS, 0), backward, latch)
