@@ -59,13 +59,14 @@ def until(robot: ProcessRobot, look: Callable[[], Told], holds: Callable[[Told],
 
 @contextmanager
 def board_of_other_protocol(link: Path, kind: BoardKind) -> Iterator[FakePort]:
-    """A board that was flashed from other sources: it says so in its hello."""
+    """A board that was flashed from other sources: it says so in its hello, and reports unasked, as each board does."""
     port, ended = FakePort(link), threading.Event()
     hello = HelloFrame(seq=0, board_us=0, board=kind, protocol_hash=PROTOCOL_HASH ^ 1, boot_id=1, reset_cause=0)
 
     def answer() -> None:
         decoder = Decoder()
         while not ended.wait(0.02):
+            port.say(b"\0")
             for frame in decoder.feed(port.heard()):
                 if isinstance(frame, HelloRequestFrame):
                     port.say(encode(hello.pack()))
