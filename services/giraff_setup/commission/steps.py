@@ -144,7 +144,8 @@ def _before_power(tables: Tables) -> StepResult:
     page = "" if _by_hand(tables) else _base_board(tables).wiring_page
     if page:
         lines = "10 kohm to ground at each PWM, direction, enable and servo line, and nothing else that holds it high"
-        return StepResult("look", f"{lines}: is it so?", page)
+        battery = f"battery_low is {base['battery_low']} V, battery_cutoff {base['battery_cutoff']} V: your battery's?"
+        return StepResult("look", f"{battery} {lines}: is it so?", page)
     return StepResult("done", "[base] has battery_low and battery_cutoff")
 
 

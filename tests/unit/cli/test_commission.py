@@ -81,7 +81,7 @@ def test_a_board_whose_lines_float_in_reset_needs_pull_downs(giraff: Giraff, nam
     _, told, rows = statuses(ROOT / "deploy" / "robots" / f"{name}.toml", giraff)
     row = rows["Before the motors have power"]
     assert (row["status"], row["how"]) == ("look", page)
-    assert "10 kohm to ground" in row["why"]
+    assert "V: your battery's? 10 kohm to ground" in row["why"]
     assert "What the encoders give" not in told, "its channel B raises no interrupt"
 
 
