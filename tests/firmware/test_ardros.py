@@ -35,7 +35,7 @@ def ardros(implementation: Implementation) -> Iterator[BaseBench]:
 
 @pytest.fixture
 def board_type() -> BoardType:
-    """What rolls, unless a test names others."""
+    """Boards whose wheels roll, unless a test names others."""
     return ARDROS_BOARD
 
 

@@ -15,7 +15,7 @@ PINS: Final = {
     "pulled_up": "MOTOR_0_IN2 21",
     "no_channel": "BATTERY_CHANNEL 54",
 }
-"""What each differs in from mega_l298n."""
+"""Pins that are others than those of mega_l298n, by board."""
 REFUSED: Final = {
     "twice": "pins.h uses a pin twice",
     "no_pwm": "pins.h has PWM at a pin other than",

@@ -179,8 +179,9 @@ class BoardLink:
             told = f"{path}: a {name} board is there, not a {self.board.name} board"
             if there is None or not there.chosen_in or there.chosen_in != self.board.chosen_in:
                 return Trouble(told, "swap the ports")
-            chosen = f'write board = "{name}" into {there.chosen_in} if that one is right'
-            return Trouble(told, f"{chosen}; else flash it: {self.board.flash_command(path)}")
+            # Flashing comes first: another robot's program may be on the right board.
+            chosen = f'or, if that one is right, write board = "{name}" into {there.chosen_in}'
+            return Trouble(told, f"flash it: {self.board.flash_command(path)}; {chosen}")
         ours = self.board.protocol_hash
         if hello.protocol_hash != ours:
             return Trouble(

@@ -1,35 +1,15 @@
 """An Arduino whose port is opened is in its boot loader for 1 to 2 s: it is left alone, and not reset again."""
 
 import termios
-from collections.abc import Iterator
-from pathlib import Path
-
-import pytest
 
 from giraff_node.boards.board_link import LATELY, BoardLink
 from giraff_node.boards.serial_link import SerialLink
-from giraff_schemas.boards import RANGER_BOARD
 from giraff_schemas.framing import encode
 from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, TickFrame
 from tests.unit.node.ports import FakePort
 
 HELLO = HelloFrame(seq=0, board_us=1, board=BoardKind.RANGER, protocol_hash=PROTOCOL_HASH, boot_id=1, reset_cause=1)
-
-
-@pytest.fixture
-def port(tmp_path: Path) -> Iterator[FakePort]:
-    made = FakePort(tmp_path / "port")
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def ranger(port: FakePort) -> Iterator[BoardLink]:
-    link = BoardLink(str(port.link), RANGER_BOARD)
-    assert link.poll(0.0) == []
-    yield link
-    link.close()
 
 
 def test_nothing_disturbs_a_boot_loader(port: FakePort, ranger: BoardLink) -> None:

@@ -13,7 +13,7 @@ import serial
 
 from giraff_node.boards.board_link import SILENCE, BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SETTLES, SerialLink
-from giraff_schemas.boards import NANO_RANGER_BOARD, RANGER_BOARD
+from giraff_schemas.boards import NANO_RANGER_BOARD
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, TickFrame
@@ -22,13 +22,6 @@ from tests.unit.node.ports import FakePort
 BAUD = 115200
 HELLO = HelloFrame(seq=0, board_us=1, board=BoardKind.RANGER, protocol_hash=PROTOCOL_HASH, boot_id=1, reset_cause=1)
 PING = RangeFrame(1, 2, 1, 3, 4, 0, 0, 0, 5800, 0)
-
-
-@pytest.fixture
-def port(tmp_path: Path) -> Iterator[FakePort]:
-    fake = FakePort(tmp_path / "board")
-    yield fake
-    fake.close()
 
 
 @pytest.fixture
@@ -218,14 +211,6 @@ def test_a_reader_that_does_not_read_costs_no_time_and_no_frame_is_torn(port: Fa
     assert (decoder.crc_errors, decoder.shape_errors) == (0, 0)
 
 
-@pytest.fixture
-def ranger(port: FakePort) -> Iterator[BoardLink]:
-    link = BoardLink(str(port.link), RANGER_BOARD)
-    assert link.poll(0.0) == []
-    yield link
-    link.close()
-
-
 def test_nothing_is_believed_before_a_matching_hello(port: FakePort, ranger: BoardLink) -> None:
     port.say(encode(PING.pack()))
     assert ranger.poll(0.1) == []
@@ -252,7 +237,11 @@ def test_hello_is_asked_for_until_it_is_answered(port: FakePort, ranger: BoardLi
         (msgspec.structs.replace(HELLO, board=77), "a kind 77 board is there"),
         (
             msgspec.structs.replace(HELLO, board=NANO_RANGER_BOARD.number),
-            'a nano_ranger board is there, not a ranger board; write board = "nano_ranger" into [ranger]',
+            "is there, not a ranger board; flash it: make -C firmware flash BOARD=ranger",
+        ),
+        (
+            msgspec.structs.replace(HELLO, board=NANO_RANGER_BOARD.number),
+            'or, if that one is right, write board = "nano_ranger" into [ranger]',
         ),
     ],
 )

@@ -159,6 +159,16 @@ def test_any_doubt_writes_nothing(
         (lambda patch: patch.setattr(Bench, "trouble", KeyboardInterrupt()), 130, "interrupted; the motors are off"),
         (lambda patch: patch.setattr(check_wheels, "require_right", refuse), 1, "a plug is loose"),
         (lambda patch: patch.setattr(check_wheels, "most_ticks", lambda *_: 399), 1, "the first motor ran far too"),
+        (
+            lambda patch: drives_one_way(patch, Levels(0, LEVEL), "lifted", "left", "forward", "none"),
+            1,
+            "the second motor turns backward and not forward; check the wires of its driver's direction inputs",
+        ),
+        (
+            lambda patch: drives_one_way(patch, Levels(0, -LEVEL), *honest(Wiring(0))),
+            1,
+            "forward and not backward as well: 400 and 0 ticks; check the wires of its driver's direction inputs",
+        ),
     ],
 )
 def test_a_board_in_trouble_writes_nothing(
@@ -178,27 +188,9 @@ def test_a_board_in_trouble_writes_nothing(
     assert Bench.made.closed
 
 
-@pytest.mark.parametrize(
-    ("dead", "answers", "told"),
-    [
-        (Levels(0, LEVEL), ["lifted", "left", "forward", "none"], "the second motor turns backward and not forward"),
-        (Levels(0, -LEVEL), honest(Wiring(0)), "forward and not backward as well: 400 and 0 ticks"),
-    ],
-)
-def test_a_driver_that_drives_one_way_alone_is_named(
-    dead: Levels,
-    answers: list[str],
-    told: str,
-    path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    before = path.read_bytes()
-    monkeypatch.setattr(Bench, "dead", dead)
-    answer(monkeypatch, *answers)
-    assert check_wheels.check_wheels("port") == 1
-    assert f"{told}; check the wires of its driver's direction inputs" in capsys.readouterr().err
-    assert path.read_bytes() == before
+def drives_one_way(patch: pytest.MonkeyPatch, dead: Levels, *answers: str) -> None:
+    patch.setattr(Bench, "dead", dead)
+    answer(patch, *answers)
 
 
 def refuse(*_: object) -> None:
