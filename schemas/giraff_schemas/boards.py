@@ -119,3 +119,8 @@ ALL_BOARDS: Final = (
     MEGA_BTS7960_BOARD,
     NANO_RANGER_BOARD,
 )
+
+
+def boards_chosen_in(table: str) -> dict[str, BoardType]:
+    """Return the boards among which `board` of this table of the robot file chooses, by their names."""
+    return {board.name: board for board in ALL_BOARDS if board.chosen_in == table}

@@ -1,13 +1,11 @@
 """The table `[ranger]` of the robot file. Names, numbers and poses of the sensors are in `[robot]`."""
 
-from typing import ClassVar, Final, Literal
+from typing import ClassVar, Literal
 
 import msgspec
 
 from giraff_core.tuning import Tuning
-from giraff_schemas.boards import ALL_BOARDS, RANGER_BOARD, BoardType
-
-_BOARDS: Final = {board.name: board for board in ALL_BOARDS if board.chosen_in == RANGER_BOARD.chosen_in}
+from giraff_schemas.boards import RANGER_BOARD, BoardType, boards_chosen_in
 
 
 class RangerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -27,4 +25,4 @@ class RangerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     @property
     def board_type(self) -> BoardType:
         """The board that the ranger speaks with, and that the simulator runs."""
-        return _BOARDS[self.board]
+        return boards_chosen_in(RANGER_BOARD.chosen_in)[self.board]

@@ -14,7 +14,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning, live_fields
 from giraff_node.config.robot_file import load
 from giraff_ranger.config import RangerConfig
-from giraff_schemas.boards import ALL_BOARDS
+from giraff_schemas.boards import ALL_BOARDS, boards_chosen_in
 from tests.rules.repository import ROOT, imported_by, name, sources
 
 DRIVES = ROOT / "services" / "giraff_base" / "drives"
@@ -59,7 +59,7 @@ def test_each_board_has_its_folder_its_number_and_its_word_in_the_robot_file() -
     assert sorted(names) == sorted(path.parent.name for path in BOARDS.glob("*/board.mk"))
     assert len({board.number for board in ALL_BOARDS}) == len(names)
     words = {"[base.drive]": get_args(BoardName), "[ranger]": get_args(get_type_hints(RangerConfig)["board"])}
-    chosen = {table: tuple(board.name for board in ALL_BOARDS if board.chosen_in == table) for table in words}
+    chosen = {table: tuple(boards_chosen_in(table)) for table in words}
     assert chosen == words
 
 

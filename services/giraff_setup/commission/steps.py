@@ -15,7 +15,7 @@ from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import ConfigError, RawSettings, read
 from giraff_ranger.config import RangerConfig
-from giraff_schemas.boards import ALL_BOARDS, BASE_BOARD, BoardType
+from giraff_schemas.boards import BASE_BOARD, BoardType, boards_chosen_in
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.output import guard_stdout
 from giraff_tools.terminal.page import print_json, print_table, print_wrapped
@@ -80,10 +80,8 @@ def _by_hand(tables: Tables) -> str:
 
 
 def _base_board(tables: Tables) -> BoardType:
-    """Return the board that a robot on two wheels has; a stock Giraff's where the file names none that there is."""
-    named = _drive(tables).get("board")
-    chosen = (board for board in ALL_BOARDS if board.chosen_in == BASE_BOARD.chosen_in)
-    return next((board for board in chosen if board.name == named), BASE_BOARD)
+    """Return the board that a robot on two wheels has; a stock Giraff's where the file names no known one."""
+    return boards_chosen_in(BASE_BOARD.chosen_in).get(str(_drive(tables).get("board")), BASE_BOARD)
 
 
 def _has(fields: Mapping[str, Any], name: str, table: str) -> StepResult:

@@ -93,9 +93,9 @@ def _of_wheels(path: Path, drive: object) -> WheelsConfig:
 
 
 def most_ticks(robot: RobotConfig, drive: WheelsConfig) -> int:
-    """Return ticks that no wheel counts while it is driven at `stall_level`, and each at full power.
+    """Return the most ticks that a wheel may count in one drive at `stall_level`. At full power it counts more.
 
-    The way halfway, by ratio, between those of both levels.
+    The limit lies halfway, by ratio, between what the two levels give.
     """
     level = math.sqrt(drive.stall_level * _FULL_POWER)
     return round(robot.ticks_per_metre * robot.max_wheel_speed * level / drive.max_level * _DRIVE_TIME)
@@ -104,7 +104,7 @@ def most_ticks(robot: RobotConfig, drive: WheelsConfig) -> int:
 def find_wiring(bench: WheelBench, human: Human, level: int, most: int) -> dict[str, bool]:
     """The six fields of the robot file, found in one pass and proved in a second. Raises BenchError, DoubtError.
 
-    `most`: ticks of a wheel that is driven at `level` for a second.
+    `most`: ticks that a wheel may count in one drive at `level`.
     """
     first, second = (_probe(bench, human, side, level, most) for side in SIDES)
     fields = wiring_of(first, second)

@@ -27,7 +27,7 @@ from tests.unit.base.rig import CONFIG, ROBOT, Rig, moving
 
 
 def test_base_tells_how_often_its_board_reports(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(wheels_config._BOARDS, "base", BASE_BOARD._replace(report_ms=15))
+    monkeypatch.setattr(wheels_config, "boards_chosen_in", lambda _: {"base": BASE_BOARD._replace(report_ms=15)})
     assert Rig().base.state().board.report_ms == 15
 
 

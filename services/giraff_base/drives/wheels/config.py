@@ -9,11 +9,10 @@ from giraff_base.drives.wheel_wiring import CHECK_THEM, WheelWiring
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
-from giraff_schemas.boards import ALL_BOARDS, BASE_BOARD, BoardType
+from giraff_schemas.boards import BASE_BOARD, BoardType, boards_chosen_in
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
-_BOARDS: Final = {board.name: board for board in ALL_BOARDS if board.chosen_in == BASE_BOARD.chosen_in}
 BoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960"]
 """A board for which `firmware/base` is built: its folder in `firmware/boards`."""
 WheelControl = Literal["level", "speed"]
@@ -127,7 +126,7 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
     @property
     def board_type(self) -> BoardType:
         """The board that base speaks with, and that the simulator runs."""
-        return _BOARDS[self.board]
+        return boards_chosen_in(BASE_BOARD.chosen_in)[self.board]
 
     @property
     def asks_for_speeds(self) -> bool:
