@@ -10,7 +10,11 @@ FROM := $(LIKE)/host/$(BOARD)
 LIBRARY := $(BUILD)/host/$(BOARD).so
 base_PARTS := shafts
 balancer_PARTS := shafts
-MACHINE := board_model machine processor $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
+PARTS := ticking $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
+ifneq ($(CONTROLLER),)
+PARTS := process controller_parts shafts $(CONTROLLER)_model
+endif
+MACHINE := board_model machine processor $(PARTS)
 OBJECTS := $(PROGRAM:%=$(FROM)/program/%.o) $(MACHINE:%=$(FROM)/machine/%.o) $(OUT)/program/start_values.o \
 	$(patsubst %,$(OUT)/machine/%.o,$(notdir $(HOST_EXTRA:.c=)))
 

@@ -15,6 +15,12 @@ joystick_PROGRAM := bno055 bus joystick tick
 ranger_PROGRAM := bumpers echo ranger sonars tick
 PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM)
 
+# A board that is a process in front of a motor controller says by CONTROLLER which protocol that speaks.
+CONTROLLER ?=
+ifneq ($(CONTROLLER),)
+PROGRAM += controller duty process $(CONTROLLER)
+endif
+
 # Boards that share registers name their folder of avr/ as FAMILY, and say by DEFINES what differs.
 FAMILY ?=
 DEFINES ?=
@@ -24,7 +30,7 @@ HASH = $(eval HASH := $$(shell $$(PYTHON) generate_codec.py --hash $$(PROTOCOL))
 	$(HASH),$(error generate_codec.py gave no protocol hash))
 
 FLAGS = -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wundef \
-	-fno-common -MMD -MP -Icommon -I$(FIRMWARE) -Iboards/$(BOARD) $(FAMILY:%=-Iavr/%) $(DEFINES) \
+	-fno-common -MMD -MP -Icommon -I$(FIRMWARE) -Iboards/$(BOARD) $(FAMILY:%=-Iavr/%) $(CONTROLLER:%=-Icontroller -Ilinux) $(DEFINES) \
 	-DPROTOCOL_HASH=$(HASH)UL
 
 CHECK = $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) $(DEFINES) -DPROTOCOL_HASH=$(HASH) \
@@ -33,4 +39,4 @@ CHECK = $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter
 # This folder and the sources in it that a program was built from: the simulator refuses one that is older than they are.
 NOTE_SOURCES = @{ realpath --relative-to=$(@D) . && cat $(OBJECTS:.o=.d); } >$(basename $@).sources
 
-vpath %.c common $(FIRMWARE)
+vpath %.c common $(FIRMWARE) $(CONTROLLER:%=controller linux)

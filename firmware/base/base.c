@@ -116,7 +116,7 @@ void firmware_on_millisecond(void)
     const struct encoders_edge newest[2] = { encoders_newest(0), encoders_newest(1) };
     uint16_t now;
     ATOMICALLY {                    /* after the edges: one newer than now would count as silent for a second */
-        now = clock_stamp();
+        now = encoders_until();
     }
     drive_on_millisecond(newest, now);
     motors_on_millisecond(0, drive_level(0));

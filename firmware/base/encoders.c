@@ -56,3 +56,8 @@ struct encoders_reading encoders_read(void)
     }
     return read;
 }
+
+uint16_t encoders_until(void)
+{
+    return clock_stamp();
+}

@@ -19,6 +19,9 @@ struct encoders_edge {          /* the newest of an encoder */
 
 struct encoders_edge encoders_newest(uint8_t encoder);
 
+/* clock_stamp() of the moment up to which each edge is known: now, where edges come by interrupts. Interrupts off. */
+uint16_t encoders_until(void);
+
 /* From the interrupt at each edge of the encoder's channel A, with the channels' levels just after it. */
 void encoders_on_edge_0(bool a, bool b);
 void encoders_on_edge_1(bool a, bool b);

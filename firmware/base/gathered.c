@@ -91,3 +91,8 @@ void encoders_on_edge_1(bool a, bool b)
 {
     on_edge(1, a, b);
 }
+
+uint16_t encoders_until(void)
+{
+    return clock_stamp();
+}

@@ -2,8 +2,7 @@
 
 enum {
     OVERDUE = OVERDUE_MS * STAMPS_PER_MS,
-    STANDS = 100 * STAMPS_PER_MS,       /* without an edge for so long, a wheel counts as standing */
-    PERIOD = SPEED_PERIOD_MS * STAMPS_PER_MS
+    STANDS = 100 * STAMPS_PER_MS        /* without an edge for so long, a wheel counts as standing */
 };
 
 /* um/s of a way in 1/256 um that took so many stamps: way / 256 * STAMPS_PER_MS * 1000 / stamps, in 32 bits and with
@@ -28,7 +27,7 @@ static void remember(struct speedometer *s, uint16_t ticks, uint16_t stamp)
     if (s->n < SPEEDOMETER_SPAN)
         s->n++;
     s->newest = (uint8_t)((s->newest + 1) % SPEEDOMETER_SPAN);
-    s->seen[s->newest] = (struct seen){ ticks, stamp, s->period };
+    s->seen[s->newest] = (struct seen){ ticks, stamp, s->now };
 }
 
 /* What was seen so many periods with an edge before the newest. */
@@ -38,19 +37,17 @@ static const struct seen *before(const struct speedometer *s, uint8_t n)
 }
 
 /* A wheel that trembles on an edge has edges close to each other, and gets nowhere: no speed is more than what its
- * ticks, and one more, make of the whole periods. */
+ * ticks, and one more, make of the whole time. */
 static int32_t mean(const struct speedometer *s, uint32_t um_per_tick_q8)
 {
     const struct seen *newest = before(s, 0), *oldest = before(s, (uint8_t)(s->n - 1));
     uint16_t stamps = (uint16_t)(newest->stamp - oldest->stamp);
     int16_t turned = (int16_t)(newest->ticks - oldest->ticks);
-    uint16_t periods = (uint16_t)(newest->period - oldest->period);
     if (!stamps || !turned)
         return 0;
-    uint16_t n = magnitude(turned), most_n = (uint16_t)(n + 1);
-    uint16_t most_stamps = (uint16_t)(periods * PERIOD);
-    if ((uint32_t)n * most_stamps > (uint32_t)most_n * stamps) {
-        n = most_n;
+    uint16_t n = magnitude(turned), most_stamps = (uint16_t)(newest->now - oldest->now);
+    if (most_stamps > stamps && (uint32_t)n * (uint16_t)(most_stamps - stamps) > stamps) {
+        n++;
         stamps = most_stamps;
     }
     uint32_t speed = rate(n * um_per_tick_q8, stamps);
@@ -84,7 +81,6 @@ void speedometer_step(struct speedometer *s, uint32_t um_per_tick_q8, uint16_t t
 {
     uint16_t passed = (uint16_t)(now - s->now);
     s->now = now;
-    s->period++;
     const struct seen *last = before(s, 0);
     if (s->n && ticks == last->ticks && stamp == last->stamp) {
         s->silent = s->silent > UINT16_MAX - passed ? UINT16_MAX : (uint16_t)(s->silent + passed);

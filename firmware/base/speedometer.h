@@ -11,10 +11,9 @@ struct speedometer {                /* of one wheel; all zero at first */
     struct seen {
         uint16_t ticks;             /* after a period that had an edge, */
         uint16_t stamp;             /* the newest edge's time, */
-        uint16_t period;            /* and which period it was */
+        uint16_t now;               /* and the time until which edges were known */
     } seen[SPEEDOMETER_SPAN];
     uint8_t newest, n;              /* in seen: where, and how many before it */
-    uint16_t period;
     uint16_t now;                   /* stamp of the last call */
     uint16_t silent;                /* stamps since the newest edge; stays at the largest */
     uint16_t between_stamps;        /* between the newest two edges: so long for each of so many ticks; 0 = not known */

@@ -10,7 +10,8 @@ enum {
     ARDROS_BOARD = 5,
     MEGA_L298N_BOARD = 6,
     MEGA_BTS7960_BOARD = 7,
-    NANO_RANGER_BOARD = 8
+    NANO_RANGER_BOARD = 8,
+    ROBOCLAW_BOARD = 9
 };
 
 #endif

@@ -2,8 +2,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "firmware.h"
 #include "machine.h"
+#include "program.h"
 #include "protocol.h"
 #include "servo_driver.h"
 
@@ -39,21 +39,20 @@ static void reset(int cause)
     initialise_variables();
     processor_reset(cause);
     parts_reset();
-    firmware_setup();
-    firmware_poll();
+    program_start();
 }
 
 static void fire(enum source source)
 {
     if (source == WATCHDOG) {
-        board_reset(machine_board, RESET_WATCHDOG);
+        program_on_watchdog();
         return;
     }
     if (source < WATCHDOG)
         parts_on_event(source);
     else
         processor_on_event(source);
-    firmware_poll();
+    program_after_event();
 }
 
 EXPORT struct board_model *board_open(const char *image, const char *board, char *message)

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 enum { BOARD_MOTORS = 2, BOARD_SONARS = 3, BOARD_BUMPERS = 2, BOARD_SENSORS = 4 };
+enum process_stalls { PROCESS_RUNS = 0, PROCESS_IS_SUSPENDED = 1, PROCESS_HANGS = 2 };
 enum { BOARD_RUNNING = 0, BOARD_STOPPED = 1, BOARD_CRASHED = 2 };
 
 /* The edges in one turn of an encoder's disk. */
@@ -54,6 +55,8 @@ struct board_model {
                              * the gyroscope, then the accelerometer forward and up. No other board has them */
     double driver_volts;    /* in: at the terminals of a motor driver on a serial line */
     int driver_line_cut;    /* in: 1 = the serial line to it is off */
+    int driver_line_held;   /* in: 1 = an adapter holds up what is sent to and fro, and gives it on later */
+    int process_stalls;     /* in: enum process_stalls, of a board that is a process on a computer */
     int driver_wakes;       /* out: how often a byte has set its baud; in: 0 after its power was off */
     int driver_open;        /* out: 1 = its bridges are open and the motors turn freely; at duty 0 it brakes otherwise.
                              * On a Mega with an L298N or BTS7960: no enable wire is high. The host's code tells nothing of it */

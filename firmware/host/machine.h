@@ -24,8 +24,9 @@ void machine_complain(const char *message);     /* the firmware did what hardwar
 void processor_open(void);
 void processor_reset(int cause);
 void processor_on_event(enum source source);
+void processor_lose_input(void);                /* what the host has sent and the program has not got */
 
-/* What is soldered to it: base_parts.c with bridges.c or servos.c, joystick_parts.c, ranger_parts.c. */
+/* What is soldered to it: base_parts.c with bridges.c or servos.c, controller_parts.c, joystick_parts.c, ranger_parts.c. */
 void parts_open(void);
 void parts_reset(void);                         /* the processor's pins are inputs again */
 void parts_begin(uint64_t until_ns);            /* of a slice */

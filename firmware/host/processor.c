@@ -1,11 +1,10 @@
-/* What each processor has: clock, watchdog, EEPROM, UART. */
+/* What each processor has: watchdog, EEPROM, UART. program.h has how it runs its program. */
 #include <stddef.h>
 #include <string.h>
 #include "board.h"
-#include "clock.h"
-#include "firmware.h"
 #include "hal.h"
 #include "machine.h"
+#include "program.h"
 #include "uart.h"
 
 #define EXPORT __attribute__((visibility("default")))
@@ -14,7 +13,6 @@ enum { MS_NS = 1000000, BITS_PER_BYTE = 10, TX_SIZE = 65536, RX_SIZE = 4096, EEP
 
 static const uint64_t BYTE_NS = BITS_PER_BYTE * 1000000000ull / BAUD;
 
-static uint64_t millisecond_began_ns;
 static uint8_t sending;                         /* the byte on its way out */
 static uint8_t tx[TX_SIZE];                     /* what has come out; tx_len of the model counts it */
 static uint8_t rx[RX_SIZE];
@@ -27,6 +25,13 @@ void processor_open(void)
     memset(eeprom, 0xFF, sizeof eeprom);        /* as delivered: erased */
     rx_len = 0;
     machine_board->rx_free = RX_SIZE;
+}
+
+void processor_lose_input(void)
+{
+    machine_board->rx_free += rx_len;
+    rx_len = 0;
+    machine_cancel(UART_RX);
 }
 
 void processor_reset(int cause)
@@ -68,7 +73,7 @@ static void received(void)
     memmove(rx, rx + 1, --rx_len);
     machine_board->rx_free++;
     machine_board->rx_total++;
-    uart_on_receive(byte, false);
+    program_on_byte(byte);
     receive_next();
 }
 
@@ -76,9 +81,7 @@ void processor_on_event(enum source source)
 {
     switch (source) {
     case CLOCK:
-        millisecond_began_ns += MS_NS;
-        machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
-        firmware_on_millisecond();
+        program_on_clock();
         break;
     case UART_RX:
         received();
@@ -166,33 +169,6 @@ void hal_feed_watchdog(void)
 {
     if (machine_is_scheduled(WATCHDOG))
         hal_start_watchdog();
-}
-
-void hal_enable_interrupts(void)
-{
-    /* Events come between polls, so none has come yet. */
-}
-
-void hal_start_clock(void)
-{
-    millisecond_began_ns = machine_now_ns();
-    machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
-}
-
-static uint16_t clock_counts(void)
-{
-    uint64_t since_ns = machine_now_ns() - millisecond_began_ns;
-    return (uint16_t)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS);
-}
-
-uint8_t hal_clock_stamps(void)
-{
-    return CLOCK_STAMPS(clock_counts());
-}
-
-uint16_t hal_clock_us(void)
-{
-    return CLOCK_US(clock_counts());
 }
 
 void hal_start_uart(void)

@@ -40,6 +40,10 @@ class BoardType(NamedTuple):
     """Edges a second of each wheel that it surely counts, with a tenth left for what overshoots; 0: more than any robot
     has that is built with it."""
     eeprom_bytes: int = 4096
+    states_per_tick: int = 2
+    """Quadrature states of an encoder that it counts as one tick: 2, both edges of channel A; 1, all edges of both channels."""
+    is_process: bool = False
+    """Its program is a process on the robot's computer, in front of a motor controller that others have made."""
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
     chosen_in: str = ""
@@ -102,6 +106,16 @@ MEGA_L298N_BOARD: Final = BoardType(
     wiring_page="docs/build-on-two-wheels.md",
 )
 MEGA_BTS7960_BOARD: Final = MEGA_L298N_BOARD._replace(name="mega_bts7960", number=other_boards.MEGA_BTS7960_BOARD)
+ROBOCLAW_BOARD: Final = BoardType(
+    "roboclaw",
+    other_boards.ROBOCLAW_BOARD,
+    BASE_BAUD,
+    output_delay_us=65_000,
+    eeprom_bytes=8,
+    states_per_tick=1,
+    is_process=True,
+    chosen_in="[base.drive]",
+)
 BALANCER_BOARD: Final = BoardType(
     "balancer",
     balancer_wire.BALANCER_BOARD,
@@ -118,6 +132,7 @@ ALL_BOARDS: Final = (
     MEGA_L298N_BOARD,
     MEGA_BTS7960_BOARD,
     NANO_RANGER_BOARD,
+    ROBOCLAW_BOARD,
 )
 
 

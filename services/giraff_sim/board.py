@@ -192,6 +192,6 @@ def open_board(board: BoardType, implementation: Implementation, build: Path = B
 
 def files_of(board: BoardType, implementation: Implementation) -> tuple[str, ...]:
     """Return what a board is run from, below the build directory: the library, and where it runs one, the image."""
-    if implementation is Implementation.HOST:
+    if implementation is Implementation.HOST or board.is_process:
         return (f"host/{board.name}.so",)
     return "lockstep/lockstep.so", f"firmware/{board.name}.elf"

@@ -2,10 +2,11 @@
 
 import pytest
 
+from giraff_schemas.boards import ALL_BOARDS
 from tests.firmware.builds import FIRMWARE
 from tests.support.tools import finished
 
-BOARDS = sorted(folder.name for folder in (FIRMWARE / "boards").iterdir())
+BOARDS = sorted(board.name for board in ALL_BOARDS if not board.is_process)
 
 
 @pytest.mark.parametrize(

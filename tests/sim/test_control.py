@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from giraff_schemas.boards import BASE_BOARD
 from giraff_sim.bodies.registry import world_of
-from giraff_sim.bodies.wheels.plant import STATES_PER_TICK
 from giraff_sim.control import messages
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.control.control import Control
@@ -54,11 +54,12 @@ def test_an_encoder_loses_counts_and_is_mended(control: Control, simulation: Sim
     left.speed = 0.4
     simulation.run(0.1)
     assert 0.0 < left.counted_speed == pytest.approx(left.speed / 2.0)
-    assert left.states == pytest.approx(left.travel / 2.0 * ROBOT.ticks_per_metre * STATES_PER_TICK)
+    assert left.states == pytest.approx(left.travel / 2.0 * ROBOT.ticks_per_metre * BASE_BOARD.states_per_tick)
     counted, travel = left.states, left.travel
     assert ask(control, op="encoder_slip", wheel="left", lost_share=0.0).ok
     simulation.run(0.02)
-    assert left.states - counted == pytest.approx((left.travel - travel) * ROBOT.ticks_per_metre * STATES_PER_TICK)
+    turned = (left.travel - travel) * ROBOT.ticks_per_metre
+    assert left.states - counted == pytest.approx(turned * BASE_BOARD.states_per_tick)
     assert "below 1" in ask(control, op="encoder_slip", wheel="left", lost_share=1.0).error
 
 

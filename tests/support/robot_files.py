@@ -30,6 +30,7 @@ ROBOTS: Final = {
     "ardros": _read("ardros", GIRAFF_BASE_DRIVE__INVERT_RIGHT_ENCODER="true"),
     "mega_l298n": _read("mega_l298n"),
     "mega_bts7960": _read("mega_bts7960"),
+    "roboclaw": _read("roboclaw"),
 }
 """By the name of the file, which is its board's."""
 ARDROS: Final = ROBOTS["ardros"]

@@ -20,13 +20,13 @@ from giraff_odometry import policy as odometry_module
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_ranger.policy import reading
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.messages import Odometry, Range, RobotTime, Wheels
 from giraff_schemas.wire import RangeFault, RangeFrame, RangeState
 from giraff_sim import truth as truth_module
 from giraff_sim.board import BUILD
 from giraff_sim.bodies.registry import world_of
 from giraff_sim.bodies.wheels import plant as plant_module
-from giraff_sim.bodies.wheels.plant import STATES_PER_TICK
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import draw_truth
 from giraff_sim.world import room as room_module
@@ -197,8 +197,8 @@ class _Run:
     def _wheels(self, now: int) -> Wheels:
         left, right = self._plant.left, self._plant.right
         return Wheels(
-            left_ticks=math.floor(left.states / STATES_PER_TICK),
-            right_ticks=math.floor(right.states / STATES_PER_TICK),
+            left_ticks=math.floor(left.states / BASE_BOARD.states_per_tick),
+            right_ticks=math.floor(right.states / BASE_BOARD.states_per_tick),
             left_velocity=left.speed,
             right_velocity=right.speed,
             left_pwm_counts=round(self._duties[0]),

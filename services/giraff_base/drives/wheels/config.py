@@ -13,7 +13,7 @@ from giraff_schemas.boards import BASE_BOARD, BoardType, boards_chosen_in
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
-BoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960"]
+BoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960", "roboclaw"]
 """A board for which `firmware/base` is built: its folder in `firmware/boards`."""
 WheelControl = Literal["level", "speed"]
 """`level`: open loop, a level stands for a speed. `speed`: the board's loops hold what is asked."""

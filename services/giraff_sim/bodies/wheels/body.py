@@ -118,6 +118,7 @@ class WheelsBody:
         motors[0].encoder_cut, motors[1].encoder_cut = self._cut
         motors[0].signal_cut, motors[1].signal_cut = self._signal_cut
         board.model.battery_volts = self._battery_pin_volts
+        board.model.driver_volts = self.plant.volts
 
     def update(self, board: Board) -> None:
         motors = board.model.motor

@@ -15,7 +15,6 @@ from giraff_sim.world.bno055 import GRAVITY
 from giraff_sim.world.disc import Disc
 from giraff_sim.world.room import Pose, Room
 
-STATES_PER_TICK: Final = 2  # of the encoder's quadrature states: the base board counts both edges of A
 _FULL_DUTY: Final = 255.0
 _FLICKER_S: Final = 0.02  # from one edge to the next of an encoder that stands on it
 _SLIPPING: Final = 0.5  # share of its turning that a wheel loses while it slips
@@ -44,8 +43,9 @@ class Wheel:
         self._drag = true.drag
         self._dead_zone = sim.dead_zone_counts
         self._speed_per_count = robot.max_wheel_speed / drive.max_level * true.strength * true.scale
-        self._states_per_metre = robot.ticks_per_metre * STATES_PER_TICK / true.scale
-        self._first_state = true.phase * STATES_PER_TICK
+        states_per_tick = drive.board_type.states_per_tick
+        self._states_per_metre = robot.ticks_per_metre * states_per_tick / true.scale
+        self._first_state = true.phase * states_per_tick
         self._threshold_slip = true.threshold_slip
         self._slip_left = 0.0  # m that it still turns in vain
 

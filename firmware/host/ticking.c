@@ -1,0 +1,68 @@
+/* A microcontroller runs the program: a timer interrupts it each millisecond, and code takes no time. */
+#include "board.h"
+#include "clock.h"
+#include "firmware.h"
+#include "hal.h"
+#include "machine.h"
+#include "program.h"
+#include "protocol.h"
+#include "uart.h"
+
+enum { MS_NS = 1000000 };
+
+static uint64_t millisecond_began_ns;
+
+void program_start(void)
+{
+    firmware_setup();
+    firmware_poll();
+}
+
+void program_on_clock(void)
+{
+    millisecond_began_ns += MS_NS;
+    machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
+    firmware_on_millisecond();
+}
+
+void program_on_watchdog(void)
+{
+    board_reset(machine_board, RESET_WATCHDOG);
+}
+
+void program_on_byte(uint8_t byte)
+{
+    uart_on_receive(byte, false);
+}
+
+void program_after_event(void)
+{
+    firmware_poll();
+}
+
+void hal_enable_interrupts(void)
+{
+    /* Events come between polls, so none has come yet. */
+}
+
+void hal_start_clock(void)
+{
+    millisecond_began_ns = machine_now_ns();
+    machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
+}
+
+static uint16_t clock_counts(void)
+{
+    uint64_t since_ns = machine_now_ns() - millisecond_began_ns;
+    return (uint16_t)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS);
+}
+
+uint8_t hal_clock_stamps(void)
+{
+    return CLOCK_STAMPS(clock_counts());
+}
+
+uint16_t hal_clock_us(void)
+{
+    return CLOCK_US(clock_counts());
+}
