@@ -41,7 +41,7 @@ class BoardType(NamedTuple):
     has that is built with it."""
     eeprom_bytes: int = 4096
     states_per_tick: int = 2
-    """Quadrature states of an encoder that it counts as one tick: 2, both edges of channel A; 1, all edges of both channels."""
+    """Quadrature states of an encoder for a tick: 2 where both edges of channel A count, 1 where those of B do, too."""
     is_process: bool = False
     """Its program is a process on the robot's computer, in front of a motor controller that others have made."""
     has_potentiometer: bool = False
