@@ -12,7 +12,7 @@ base_PARTS := shafts
 balancer_PARTS := shafts
 PARTS := ticking $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
 ifneq ($(CONTROLLER),)
-PARTS := process controller_parts shafts $(CONTROLLER)_model
+PARTS := process controller_parts controller_model shafts $(CONTROLLER)_model
 endif
 MACHINE := board_model machine processor $(PARTS)
 OBJECTS := $(PROGRAM:%=$(FROM)/program/%.o) $(MACHINE:%=$(FROM)/machine/%.o) $(OUT)/program/start_values.o \

@@ -5,9 +5,6 @@
 #include "hal_base.h"
 #include "system.h"
 
-/* A controller whose power was off begins to count anew. No wheel turns so far between two readings. */
-enum { LEAP = 1 << 20 };
-
 static bool is_proved, answers;
 static const char *lost;
 
@@ -51,8 +48,8 @@ const char *controller_lost(void)
 void controller_tell_counters(const uint32_t counters[CONTROLLER_MOTORS])
 {
     for (uint8_t wheel = 0; wheel < CONTROLLER_MOTORS; wheel++) {
-        int32_t more = (int32_t)(counters[wheel] - counted[wheel]);
-        if (is_counted && (more > LEAP || more < -LEAP))
+        uint32_t more = counters[wheel] - counted[wheel];
+        if (is_counted && more + protocol.leap > 2 * protocol.leap)
             lost = "the controller has begun to count anew: its power was off";
     }
     if (lost)

@@ -39,6 +39,7 @@ struct protocol {
     uint8_t quiet_ms;                           /* silence after which half a request is forgotten */
     uint8_t lost_ms;                            /* without any reply: it is lost */
     uint8_t kept_ms;                            /* without HEARD_KEPT: it is lost. 0 = its time-out cannot be read */
+    uint32_t leap;                              /* counts that no wheel turns between two readings: its counters began anew */
     uint8_t proofs, others;                     /* how many requests prove it; how many other things are asked in turn */
     uint8_t stop_bytes, stop[CONTROLLER_STOP_MAX];      /* stops it at once, whatever was under way */
 

@@ -141,6 +141,7 @@ const struct protocol protocol = {
     .quiet_ms = 15,
     .lost_ms = 150,
     .kept_ms = 200,
+    .leap = 1ul << 20,
     .proofs = sizeof PROOFS,
     .others = sizeof OTHERS,
     .ask = ask,

@@ -4,7 +4,7 @@
 #include "board.h"
 #include "controller.h"
 #include "machine.h"
-#include "roboclaw_model.h"
+#include "controller_model.h"
 #include "shafts.h"
 #include "system.h"
 
@@ -17,7 +17,7 @@ struct way {
     unsigned n;
 };
 
-static struct roboclaw controller;
+static struct controller_model model;
 static int has_power;
 static struct way there, back;                  /* bytes on the line, either way */
 static struct way come;                         /* bytes that wait for the process */
@@ -65,15 +65,15 @@ uint8_t system_line_read(uint8_t *to, uint8_t room)
 
 static void arrived(void)
 {
-    uint8_t reply[ROBOCLAW_REPLY_MAX];
+    uint8_t reply[MODEL_REPLY_MAX];
     uint8_t byte = first(&there);
     if (there.n)
         machine_schedule(TO_CONTROLLER, machine_now_ns() + byte_ns());
     if (!has_power || machine_board->driver_line_cut)
         return;
-    for (int k = 0; k < ROBOCLAW_MOTORS; k++)
-        controller.edges[k] = machine_board->motor[k].states;
-    unsigned n = (unsigned)roboclaw_on_byte(&controller, byte, now_us(), reply);
+    for (int k = 0; k < MODEL_MOTORS; k++)
+        model.edges[k] = machine_board->motor[k].states;
+    unsigned n = (unsigned)model_on_byte(&model, byte, now_us(), reply);
     add(&back, reply, n);
     if (n && !machine_is_scheduled(FROM_CONTROLLER))
         machine_schedule(FROM_CONTROLLER, machine_now_ns() + TURN_AROUND_US * 1000ull + byte_ns());
@@ -110,7 +110,7 @@ static void present(int k, int a, int b)
 
 void parts_open(void)
 {
-    memset(&controller, 0, sizeof controller);
+    memset(&model, 0, sizeof model);
     has_power = 0;
     there.n = back.n = come.n = 0;
     machine_board->driver_volts = 12;           /* until the world says */
@@ -126,13 +126,13 @@ void parts_reset(void)
 void parts_begin(uint64_t until_ns)
 {
     int has = machine_board->driver_volts >= MIN_VOLTS;
-    controller.volts = machine_board->driver_volts;
-    controller.is_pressed = machine_board->cord_pulled;
+    model.volts = machine_board->driver_volts;
+    model.is_pressed = machine_board->cord_pulled;
     if (has != has_power || !has)
-        roboclaw_power_on(&controller, now_us());
+        model_power_on(&model, now_us());
     has_power = has;
-    memset(controller.duty_us, 0, sizeof controller.duty_us);
-    memset(controller.duty_peak, 0, sizeof controller.duty_peak);
+    memset(model.duty_us, 0, sizeof model.duty_us);
+    memset(model.duty_peak, 0, sizeof model.duty_peak);
     duty_from_us = now_us();
     shafts_begin(until_ns);
 }
@@ -140,11 +140,11 @@ void parts_begin(uint64_t until_ns)
 void parts_end(void)
 {
     double us = now_us() - duty_from_us;
-    roboclaw_pass(&controller, now_us());
+    model_pass(&model, now_us());
     for (int k = 0; k < BOARD_MOTORS; k++) {
         struct motor_model *motor = &machine_board->motor[k];
-        motor->drive = LEVEL_FULL * controller.duty_us[k] / us / ROBOCLAW_FULL;
-        int peak = (int)ceil(LEVEL_FULL * controller.duty_peak[k] / ROBOCLAW_FULL - 0.01);
+        motor->drive = LEVEL_FULL * model.duty_us[k] / us / MODEL_FULL;
+        int peak = (int)ceil(LEVEL_FULL * model.duty_peak[k] / MODEL_FULL - 0.01);
         if (peak > motor->drive_peak)
             motor->drive_peak = peak;
     }

@@ -1,17 +1,7 @@
 #ifndef GIRAFF_BOARD_H
 #define GIRAFF_BOARD_H
-#include "boards.h"
-#include "protocol.h"
+#include "process_board.h"
 
 #define BOARD_KIND ROBOCLAW_BOARD
-#define BAUD 115200UL               /* what the host opens its pseudo terminal with */
-_Static_assert(BAUD == BASE_BAUD, "the wire's baud is declared in protocol.h");
-
-#define CLOCK_COUNTS_PER_MS 72
-_Static_assert(CLOCK_COUNTS_PER_MS == STAMPS_PER_MS, "an edge's time is declared in protocol.h");
-#define CLOCK_US(counts) ((uint16_t)((counts) * 222u / 16u))
-
-#define HAS_LEVEL_LIMIT 0
-#define HAS_TRANSITIONS 0
 
 #endif
