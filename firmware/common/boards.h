@@ -15,4 +15,10 @@ enum {
     ROS_ARDUINO_BRIDGE_BOARD = 10
 };
 
+/* So long after the newest byte a motor controller that others have made stops by itself. */
+enum {
+    ROBOCLAW_STOPS_AFTER_MS = 200,              /* set, and read back while it drives: TIMEOUT_TENTHS of roboclaw.c */
+    ROS_ARDUINO_BRIDGE_STOPS_AFTER_MS = 2000    /* fixed: AUTO_STOP_INTERVAL of its own source */
+};
+
 #endif

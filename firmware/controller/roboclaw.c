@@ -1,5 +1,6 @@
 /* RoboClaw, packet serial: address, command, data, and a CRC of all of it. It answers with 0xff, or with data and a CRC
  * of address, command and data. Numbers are big-endian. Source: Basicmicro's "RoboClaw User Manual", "Packet Serial". */
+#include "boards.h"
 #include "controller.h"
 
 enum { ADDRESS = 0x80, ACKNOWLEDGED = 0xff };
@@ -19,7 +20,7 @@ static const uint8_t OTHERS[] = { GET_TIMEOUT, BATTERY, STATUS };
 
 static const uint32_t FASTEST = 655359;         /* acceleration: from full to none in 50 ms */
 static const uint32_t BEGINS = 1ul << 30;       /* counters: none counts from there after its power was off */
-static const uint8_t TIMEOUT_TENTHS = 2;        /* of a second */
+static const uint8_t TIMEOUT_TENTHS = ROBOCLAW_STOPS_AFTER_MS / 100;       /* of a second */
 static const uint32_t STOP_IS_PRESSED = 1;
 
 static uint8_t command;                         /* of the newest request */

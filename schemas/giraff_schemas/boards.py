@@ -44,8 +44,14 @@ class BoardType(NamedTuple):
     """Quadrature states of an encoder for a tick: 2 where both edges of channel A count, 1 where those of B do, too."""
     is_process: bool = False
     """Its program is a process on the robot's computer, in front of a motor controller that others have made."""
+    measures_battery: bool = True
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
+    stops_after_s: float = 0.0
+    """s from the newest byte until the motor controller behind a process stops by itself; 0: the board is no process."""
+    loop_hz: int = 0
+    """Its motor controller holds speeds by a loop of its own: a level is so many counts within 1 / loop_hz s. 0: it is a
+    share of the power."""
     chosen_in: str = ""
     """Table of the robot file whose `board` chooses among the boards with the same program; empty: it runs alone."""
     has_programmer: bool = False
@@ -114,7 +120,16 @@ ROBOCLAW_BOARD: Final = BoardType(
     eeprom_bytes=8,
     states_per_tick=1,
     is_process=True,
+    stops_after_s=other_boards.ROBOCLAW_STOPS_AFTER_MS / 1000,
     chosen_in="[base.drive]",
+)
+ROS_ARDUINO_BRIDGE_BOARD: Final = ROBOCLAW_BOARD._replace(
+    name="ros_arduino_bridge",
+    number=other_boards.ROS_ARDUINO_BRIDGE_BOARD,
+    output_delay_us=120_000,
+    stops_after_s=other_boards.ROS_ARDUINO_BRIDGE_STOPS_AFTER_MS / 1000,
+    loop_hz=30,
+    measures_battery=False,
 )
 BALANCER_BOARD: Final = BoardType(
     "balancer",
@@ -133,6 +148,7 @@ ALL_BOARDS: Final = (
     MEGA_BTS7960_BOARD,
     NANO_RANGER_BOARD,
     ROBOCLAW_BOARD,
+    ROS_ARDUINO_BRIDGE_BOARD,
 )
 
 

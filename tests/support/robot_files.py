@@ -31,6 +31,7 @@ ROBOTS: Final = {
     "mega_l298n": _read("mega_l298n"),
     "mega_bts7960": _read("mega_bts7960"),
     "roboclaw": _read("roboclaw"),
+    "ros_arduino_bridge": _read("ros_arduino_bridge"),
 }
 """By the name of the file, which is its board's."""
 ARDROS: Final = ROBOTS["ardros"]

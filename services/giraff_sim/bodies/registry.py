@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any, Final, assert_never
 
 from giraff_base.config import BaseConfig, DriveConfig
 from giraff_base.drives.balancer.config import BalancerConfig
@@ -33,6 +33,8 @@ from giraff_sim.world.world import STEP_US, World
 DrawnBody = BalancerDrawn
 """Difference between body and file, of each kind that has a `drawn` of its own."""
 
+_DIVIDER: Final = "__BATTERY_VOLTS_PER_COUNT"
+
 
 def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
     """Return the drive that the robot file names. A simulated board needs no port of it. Raises ConfigError."""
@@ -55,8 +57,10 @@ def with_known(environment: Mapping[str, str]) -> dict[str, str]:
 
 def _known_of(drive: DriveConfig) -> Mapping[str, str]:
     match drive:
-        case WheelsConfig():
+        case WheelsConfig() if drive.board_type.measures_battery:
             return WHEELS_KNOWN
+        case WheelsConfig():
+            return {name: value for name, value in WHEELS_KNOWN.items() if not name.endswith(_DIVIDER)}
         case BalancerConfig():
             return BALANCER_KNOWN
         case _ as never:
@@ -69,7 +73,7 @@ def _has(tables: Any, variable: str) -> bool:
         if not isinstance(tables, Mapping) or name not in tables:
             return False
         tables = tables[name]
-    return bool(tables) or not variable.endswith("__BATTERY_VOLTS_PER_COUNT")
+    return bool(tables) or not variable.endswith(_DIVIDER)
 
 
 def world_of(

@@ -13,7 +13,7 @@ from giraff_schemas.boards import BASE_BOARD, BoardType, boards_chosen_in
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
-BoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960", "roboclaw"]
+BoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960", "roboclaw", "ros_arduino_bridge"]
 """A board for which `firmware/base` is built: its folder in `firmware/boards`."""
 WheelControl = Literal["level", "speed"]
 """`level`: open loop, a level stands for a speed. `speed`: the board's loops hold what is asked."""
@@ -120,6 +120,16 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
                 f"stall_level is {self.stall_level} and max_level {self.max_level}: "
                 "no wheel would ever count as stuck; it must be max_level at most"
             )
+        if self.battery_volts_per_count and not self.board_type.measures_battery:
+            raise ValueError(
+                f"battery_volts_per_count is {self.battery_volts_per_count}: "
+                f"the board {self.board} measures no battery; leave it out"
+            )
+        if self.asks_for_speeds and self.board_type.loop_hz:
+            raise ValueError(
+                f'wheel_control is "speed": the controller behind the board {self.board} holds speeds by a loop of its '
+                'own, which levels ask; it must be "level"'
+            )
         if self.asks_for_speeds:
             self._check_speed_control()
 
@@ -148,6 +158,15 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
             raise ValueError(
                 f"max_wheel_speed is {robot.max_wheel_speed:g} m/s, {counts:.0f} counts/s by ticks_per_metre: "
                 f"the board {self.board} counts {most}; it must be {most / counts * robot.max_wheel_speed:.2f} at most"
+            )
+
+    def require_its_levels(self, robot: RobotConfig) -> None:
+        """Raise ValueError where a level is a speed of the controller's own loop, and `max_level` another speed."""
+        hz = self.board_type.loop_hz
+        if hz and (level := round(robot.max_wheel_speed * robot.ticks_per_metre / hz)) != self.max_level:
+            raise ValueError(
+                f"max_level is {self.max_level}: the board {self.board} takes counts within 1/{hz} s, "
+                f"and max_wheel_speed is {level} of them by ticks_per_metre; it must be {level}"
             )
 
     def board_settings(self, robot: RobotConfig, acceleration: float) -> ConfigureFrame:

@@ -10,7 +10,7 @@ from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import UM_PER_M, WheelsConfig
 from giraff_base.drives.wheels.doubt import WheelDoubt, creep
 from giraff_base.drives.wheels.reports import WheelReports
-from giraff_base.drives.wheels.words import BLIND, engaged_by, held, limit
+from giraff_base.drives.wheels.words import BLIND, engaged_by, held, limit, silent
 from giraff_core.robot import RobotConfig
 from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.messages import RobotTime, Sample, Side
@@ -52,6 +52,10 @@ _ZERO = (0, 0)
 _BLIND_OVER: Final = 1.0 + PWM_OVER_BLIND_PERCENT / 100.0
 """Factor by which a board that does not know its volts may drive faster than asked, where both encoders lose counts."""
 
+_SILENT_WAY: Final = 0.25
+"""m that the wheels may turn on while a motor controller that others have made hears nobody any more. It is the least margin
+that a guard keeps by its defaults, and no robot file changes it."""
+
 
 class WheelsDrive(Dialogue[WheelsFrame]):
     """The `giraff_base.drive.Drive` of two wheels."""
@@ -66,12 +70,16 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         self._frames = WheelsCommands()
         self._demand = WheelDemand(robot, config, self._frames)
         config.require_countable(robot)
+        config.require_its_levels(robot)
         self._settings = config.board_settings(robot, acceleration)
         self._board = config.board_type
         self._reports = WheelReports(robot.ticks_per_metre)
         self._doubt, self._camera_doubt = WheelDoubt(config), CameraDoubt(robot.ticks_per_metre)
-        is_blind = config.asks_for_speeds and not config.battery_volts_per_count
-        self._blind_limit = SpeedLimit(robot.max_wheel_speed / _BLIND_OVER, BLIND) if is_blind else SpeedLimit()
+        self._limit = SpeedLimit()
+        if config.asks_for_speeds and not config.battery_volts_per_count:
+            self._limit = SpeedLimit(robot.max_wheel_speed / _BLIND_OVER, BLIND)
+        if (drives_on := self._board.stops_after_s) and _SILENT_WAY / drives_on < self._limit.speed:
+            self._limit = SpeedLimit(_SILENT_WAY / drives_on, silent(_SILENT_WAY / drives_on, drives_on))
 
     @property
     def at_rest(self) -> bool:
@@ -90,7 +98,9 @@ class WheelsDrive(Dialogue[WheelsFrame]):
     @property
     def limit(self) -> SpeedLimit:
         doubted = self._doubt.trouble or self._camera_doubt.trouble
-        return SpeedLimit(creep(self._config), doubted) if doubted else self._blind_limit
+        if doubted and (slow := creep(self._config)) < self._limit.speed:
+            return SpeedLimit(slow, doubted)
+        return self._limit
 
     def open(self, session: int) -> None:
         self._reports.forget()

@@ -26,6 +26,15 @@ BLIND: Final = Trouble(
 _OR_LOWERED: Final = ", or the potentiometer turned down"
 
 
+def silent(speed: float, seconds: float) -> Trouble:
+    """Return why the wheels turn at this many m/s at most: their controller stops by itself after so many s."""
+    return Trouble(
+        f"the wheels turn at {speed:.3g} m/s at most, because their controller drives on for {seconds:g} s when it "
+        "hears nobody",
+        "a controller whose time-out can be set may be faster: docs/adapter.md",
+    )
+
+
 def engaged_by(latch: int) -> EStopEngage:
     """What a latch of the board that base did not order means to base."""
     unknown = Trouble(f"latched for an unknown cause, {latch}", "reflash the board")

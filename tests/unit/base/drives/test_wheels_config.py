@@ -1,6 +1,8 @@
 """What the base board is told of a robot, and which robots cannot be told of."""
 
+import math
 from contextlib import nullcontext
+from typing import Final
 
 import msgspec
 import pytest
@@ -8,7 +10,9 @@ import pytest
 from giraff_base.drives.wheels.config import BoardName, SpeedControl, WheelsConfig, by_levels
 from giraff_base.drives.wheels.drive import WheelsDrive
 from giraff_core.kinematics.calibration import Calibration
+from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
+from tests.support.robot_files import ROBOTS
 from tests.support.robots import DRIVE, ROBOT
 
 CONTROL = SpeedControl(max_pwm=120, stall_pwm=41, dead_pwm=6, speed_p=170.4, speed_i=1100.6, turn_p=51.0, turn_i=401.0)
@@ -130,3 +134,40 @@ def test_wheels_that_are_faster_than_their_board_counts_are_refused(
     config = msgspec.structs.replace(DRIVE, board=board)
     with pytest.raises(ValueError, match=r"counts 54000; it must be 0\.59 at most") if is_refused else nullcontext():
         WheelsDrive(fast, config, 1.2)
+
+
+BRIDGE: Final = ROBOTS["ros_arduino_bridge"]
+
+
+@pytest.mark.parametrize(
+    ("fields", "told"),
+    [
+        ({"wheel_control": "speed"}, "holds speeds by a loop of its own"),
+        ({"battery_volts_per_count": 0.1}, "the board ros_arduino_bridge measures no battery; leave it out"),
+        (
+            {"max_level": 27},
+            "takes counts within 1/30 s, and max_wheel_speed is 26 of them by ticks_per_metre; it must be 26",
+        ),
+    ],
+)
+def test_a_board_whose_controller_holds_speeds_wants_levels_of_its_own(
+    fields: dict[str, str | float], told: str
+) -> None:
+    with pytest.raises(ValueError, match=told):
+        WheelsDrive(BRIDGE.settings.robot, msgspec.structs.replace(BRIDGE.drive, **fields), 1.2)
+
+
+@pytest.mark.parametrize(
+    ("board", "limit"), [("ros_arduino_bridge", 0.125), ("roboclaw", 1.25), ("mega_l298n", math.inf)]
+)
+def test_no_robot_drives_on_further_than_a_guards_margin_when_its_controller_hears_nobody(
+    board: str, limit: float
+) -> None:
+    file = ROBOTS[board]
+    told = WheelsDrive(file.settings.robot, file.drive, 1.2).limit
+    assert told.speed == limit
+    assert (told.reason == NO_TROUBLE) == math.isinf(limit)
+    if board == "ros_arduino_bridge":
+        assert told.reason.what == (
+            "the wheels turn at 0.125 m/s at most, because their controller drives on for 2 s when it hears nobody"
+        )
