@@ -48,9 +48,9 @@ class BoardType(NamedTuple):
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
     stops_after_s: float = 0.0
-    """s from the newest byte until the motor controller behind a process stops by itself; 0: the board is no process."""
+    """s from the newest byte until the motor controller of a process stops by itself; 0: the board is no process."""
     loop_hz: int = 0
-    """Its motor controller holds speeds by a loop of its own: a level is so many counts within 1 / loop_hz s. 0: it is a
+    """Its motor controller holds speeds by its own loop: a level is so many counts within 1 / loop_hz s. 0: it is a
     share of the power."""
     chosen_in: str = ""
     """Table of the robot file whose `board` chooses among the boards with the same program; empty: it runs alone."""

@@ -53,8 +53,8 @@ _BLIND_OVER: Final = 1.0 + PWM_OVER_BLIND_PERCENT / 100.0
 """Factor by which a board that does not know its volts may drive faster than asked, where both encoders lose counts."""
 
 _SILENT_WAY: Final = 0.25
-"""m that the wheels may turn on while a motor controller that others have made hears nobody any more. It is the least margin
-that a guard keeps by its defaults, and no robot file changes it."""
+"""m that the wheels may turn on while a motor controller that others have made hears nobody any more: the margin
+of a guard by its defaults. No robot file changes it."""
 
 
 class WheelsDrive(Dialogue[WheelsFrame]):

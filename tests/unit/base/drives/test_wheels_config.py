@@ -146,13 +146,11 @@ BRIDGE: Final = ROBOTS["ros_arduino_bridge"]
         ({"battery_volts_per_count": 0.1}, "the board ros_arduino_bridge measures no battery; leave it out"),
         (
             {"max_level": 27},
-            "takes counts within 1/30 s, and max_wheel_speed is 26 of them by ticks_per_metre; it must be 26",
+            "within 1/30 s, and max_wheel_speed is 26 of them by ticks_per_metre; it must be 26",
         ),
     ],
 )
-def test_a_board_whose_controller_holds_speeds_wants_levels_of_its_own(
-    fields: dict[str, str | float], told: str
-) -> None:
+def test_a_controller_that_holds_speeds_wants_its_own_levels(fields: dict[str, str | float], told: str) -> None:
     with pytest.raises(ValueError, match=told):
         WheelsDrive(BRIDGE.settings.robot, msgspec.structs.replace(BRIDGE.drive, **fields), 1.2)
 
