@@ -1,7 +1,7 @@
 """The boards that services speak with, each with its firmware's wire."""
 
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 from giraff_schemas.wire import (
     BASE_BAUD,
@@ -150,6 +150,9 @@ ALL_BOARDS: Final = (
     ROBOCLAW_BOARD,
     ROS_ARDUINO_BRIDGE_BOARD,
 )
+
+BaseBoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960", "roboclaw", "ros_arduino_bridge"]
+"""A word of `board` in [base.drive]."""
 
 
 def boards_chosen_in(table: str) -> dict[str, BoardType]:

@@ -11,7 +11,7 @@ from typing import cast, get_args
 import msgspec
 import pytest
 
-from giraff_base.drives.wheels.config import BoardName
+from giraff_schemas.boards import BaseBoardName
 from giraff_schemas.requests import EStopReset
 from giraff_sim.bodies.registry import judge_of, world_of
 from giraff_sim.bodies.wheels.body import WheelsBody
@@ -270,7 +270,7 @@ def test_of_two_faults_the_later_has_its_own_bound(second_at: float, is_late: bo
 
 
 @pytest.mark.parametrize(("board", "settles_us"), [("base", 0), ("ardros", 22_000)])
-def test_wheels_are_in_their_safe_state_as_soon_as_their_motors_obey(board: BoardName, settles_us: int) -> None:
+def test_wheels_are_in_their_safe_state_as_soon_as_their_motors_obey(board: BaseBoardName, settles_us: int) -> None:
     drive = msgspec.structs.replace(BY_SPEED, board=board)
     body = WheelsBody(SETTINGS.robot, drive, SimConfig(), hall(), EXACT)
     assert body.settles_us == settles_us, "it is added to each bound"

@@ -8,13 +8,12 @@ import msgspec
 import pytest
 
 from giraff_base.config import KINDS, BaseConfig
-from giraff_base.drives.wheels.config import BoardName
 from giraff_core.bounds import bounds_of
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning, live_fields
 from giraff_node.config.robot_file import load
 from giraff_ranger.config import RangerConfig
-from giraff_schemas.boards import ALL_BOARDS, boards_chosen_in
+from giraff_schemas.boards import ALL_BOARDS, BaseBoardName, boards_chosen_in
 from tests.rules.repository import ROOT, imported_by, name, sources
 
 DRIVES = ROOT / "services" / "giraff_base" / "drives"
@@ -58,7 +57,7 @@ def test_each_board_has_its_folder_its_number_and_its_word_in_the_robot_file() -
     names = [board.name for board in ALL_BOARDS]
     assert sorted(names) == sorted(path.parent.name for path in BOARDS.glob("*/board.mk"))
     assert len({board.number for board in ALL_BOARDS}) == len(names)
-    words = {"[base.drive]": get_args(BoardName), "[ranger]": get_args(get_type_hints(RangerConfig)["board"])}
+    words = {"[base.drive]": get_args(BaseBoardName), "[ranger]": get_args(get_type_hints(RangerConfig)["board"])}
     chosen = {table: tuple(boards_chosen_in(table)) for table in words}
     assert chosen == words
 

@@ -9,11 +9,10 @@ from giraff_base.drives.wheel_wiring import CHECK_THEM, WheelWiring
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
-from giraff_schemas.boards import BASE_BOARD, BoardType, boards_chosen_in
+from giraff_schemas.boards import BASE_BOARD, BaseBoardName, BoardType, boards_chosen_in
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
-BoardName = Literal["base", "ardros", "mega_l298n", "mega_bts7960", "roboclaw", "ros_arduino_bridge"]
 """A board for which `firmware/base` is built: its folder in `firmware/boards`."""
 WheelControl = Literal["level", "speed"]
 """`level`: open loop, a level stands for a speed. `speed`: the board's loops hold what is asked."""
@@ -96,7 +95,7 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
     battery_minimum: ClassVar[float] = 0.0
     """V. The board needs none: this robot stands on a flat battery, too."""
 
-    board: BoardName = "base"
+    board: BaseBoardName = "base"
     """What drives the motors and counts the edges: an ATmega644 with two H bridges, or an Arduino Mega with servo
     pulses (`ardros`), an L298N or TB6612FNG (`mega_l298n`), or two BTS7960 (`mega_bts7960`)."""
     max_level: Annotated[int, Bounds(1, 255)]

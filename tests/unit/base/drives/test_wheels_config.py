@@ -7,9 +7,10 @@ from typing import Final
 import msgspec
 import pytest
 
-from giraff_base.drives.wheels.config import BoardName, SpeedControl, WheelsConfig, by_levels
+from giraff_base.drives.wheels.config import SpeedControl, WheelsConfig, by_levels
 from giraff_base.drives.wheels.drive import WheelsDrive
 from giraff_core.kinematics.calibration import Calibration
+from giraff_schemas.boards import BaseBoardName
 from giraff_schemas.trouble import NO_TROUBLE
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 from tests.support.robot_files import ROBOTS
@@ -126,7 +127,7 @@ def test_bounds_may_be_equal() -> None:
     ("board", "scale", "is_refused"), [("ardros", 1.01, False), ("ardros", 0.98, True), ("base", 0.98, False)]
 )
 def test_wheels_that_are_faster_than_their_board_counts_are_refused(
-    board: BoardName, scale: float, is_refused: bool
+    board: BaseBoardName, scale: float, is_refused: bool
 ) -> None:
     """By what a calibration has made of them: a wheel that is smaller gives more counts."""
     calibration = Calibration(date="2026-11-27", right_wheel_scale=scale)
