@@ -10,9 +10,9 @@ FROM := $(LIKE)/host/$(BOARD)
 LIBRARY := $(BUILD)/host/$(BOARD).so
 base_PARTS := shafts
 balancer_PARTS := shafts
-PARTS := ticking $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
+PARTS := microcontroller ticking $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
 ifneq ($(CONTROLLER),)
-PARTS := process controller_parts controller_model shafts $(CONTROLLER)_model
+PARTS := process system controller_parts controller_model shafts $(CONTROLLER)_model
 endif
 MACHINE := board_model machine processor $(PARTS)
 OBJECTS := $(PROGRAM:%=$(FROM)/program/%.o) $(MACHINE:%=$(FROM)/machine/%.o) $(OUT)/program/start_values.o \

@@ -4,7 +4,7 @@ include sources.mk
 OUT := $(BUILD)/linux/$(BOARD)
 ELF := $(BUILD)/firmware/$(BOARD)
 SYSTEM := eeprom line main port watchdog
-OBJECTS := $(PROGRAM:%=$(OUT)/%.o) $(SYSTEM:%=$(OUT)/system/%.o) $(OUT)/start_values.o
+OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(SYSTEM:%=$(OUT)/system/%.o) $(OUT)/program/start_values.o
 
 FLAGS += -O2 -g -pthread
 
@@ -15,11 +15,11 @@ $(ELF): $(OBJECTS)
 	$(NOTE_SOURCES)
 	@echo "$(BOARD) (a process): $$(stat -c %s $@) bytes"
 
-$(OUT)/start_values.o: $(START_VALUES) $(MAKEFILE_LIST)
+$(OUT)/program/start_values.o: $(START_VALUES) $(MAKEFILE_LIST)
 	$(COMPILE)
 $(OUT)/system/%.o: linux/%.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/%.o: %.c $(MAKEFILE_LIST)
+$(OUT)/program/%.o: %.c $(MAKEFILE_LIST)
 	$(COMPILE)
 
 .PHONY: check

@@ -18,7 +18,7 @@ PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM)
 # A board that is a process in front of a motor controller says by CONTROLLER which protocol that speaks.
 CONTROLLER ?=
 ifneq ($(CONTROLLER),)
-PROGRAM += controller duty process $(CONTROLLER)
+PROGRAM += controller duty process ticks $(CONTROLLER)
 endif
 
 # Boards that share registers name their folder of avr/ as FAMILY, and say by DEFINES what differs.

@@ -5,6 +5,7 @@
 #include "hal_base.h"
 #include "system.h"
 
+static const struct protocol *spoken;
 static bool is_proved, answers;
 static const char *lost;
 
@@ -18,8 +19,9 @@ static uint32_t counted[CONTROLLER_MOTORS];
 static bool is_counted;
 static uint16_t battery;                        /* tenths of a volt */
 
-void controller_start(uint32_t now_ms)
+void controller_start(const struct protocol *of_controller, uint32_t now_ms)
 {
+    spoken = of_controller;
     step = STEP_PROVE;
     rests = true;               /* after whatever was under way before the reset */
     byte_ms = now_ms;
@@ -49,7 +51,7 @@ void controller_tell_counters(const uint32_t counters[CONTROLLER_MOTORS])
 {
     for (uint8_t wheel = 0; wheel < CONTROLLER_MOTORS; wheel++) {
         uint32_t more = counters[wheel] - counted[wheel];
-        if (is_counted && more + protocol.leap > 2 * protocol.leap)
+        if (is_counted && more + spoken->leap > 2 * spoken->leap)
             lost = "the controller has begun to count anew: its power was off";
     }
     if (lost)
@@ -90,7 +92,7 @@ static void ask(enum step what, uint8_t which, uint32_t now_ms)
     number = which;
     waits = true;
     asked_ms = now_ms;
-    system_line_write(bytes, protocol.ask(bytes, what, which, duty));
+    system_line_write(bytes, spoken->ask(bytes, what, which, duty));
 }
 
 static void on_reply(uint32_t now_ms)
@@ -98,11 +100,11 @@ static void on_reply(uint32_t now_ms)
     waits = false;
     missing = 0;
     heard_ms = now_ms;
-    if (step == STEP_PROVE && ++number == protocol.proofs)
+    if (step == STEP_PROVE && ++number == spoken->proofs)
         is_proved = true;
     if (step == STEP_OTHER) {
         other_ms = now_ms;
-        other = (uint8_t)((other + 1) % protocol.others);
+        other = (uint8_t)((other + 1) % spoken->others);
     }
 }
 
@@ -128,7 +130,7 @@ void controller_on_byte(uint8_t byte, uint32_t now_ms)
         rests = true;
         return;
     }
-    switch (protocol.hear(byte)) {
+    switch (spoken->hear(byte)) {
     case HEARD_PART:
         break;
     case HEARD_KEPT:
@@ -155,13 +157,13 @@ static bool has_gone_by(uint32_t since_ms, uint8_t period_ms, uint32_t now_ms)
 
 static void judge_silence(uint32_t now_ms)
 {
-    if (waits && has_gone_by(asked_ms, protocol.reply_ms, now_ms))
+    if (waits && has_gone_by(asked_ms, spoken->reply_ms, now_ms))
         on_missing(now_ms);
     if (!is_proved || lost)
         return;
-    if (has_gone_by(heard_ms, protocol.lost_ms, now_ms))
+    if (has_gone_by(heard_ms, spoken->lost_ms, now_ms))
         lost = "the controller is silent";
-    else if (protocol.kept_ms && has_gone_by(kept_ms, protocol.kept_ms, now_ms))
+    else if (spoken->kept_ms && has_gone_by(kept_ms, spoken->kept_ms, now_ms))
         lost = "the controller does not say its time-out";
 }
 
@@ -174,9 +176,9 @@ static void ask_next(uint32_t now_ms)
         ask(STEP_COMMAND, 0, now_ms);
     } else if (missing || step == STEP_COMMAND || step == STEP_PROVE) {
         ask(STEP_COUNTERS, 0, now_ms);
-    } else if (protocol.others && has_gone_by(other_ms, protocol.other_ms, now_ms)) {
+    } else if (spoken->others && has_gone_by(other_ms, spoken->other_ms, now_ms)) {
         ask(STEP_OTHER, other, now_ms);
-    } else if (has_gone_by(cycle_ms, protocol.cycle_ms, now_ms)) {
+    } else if (has_gone_by(cycle_ms, spoken->cycle_ms, now_ms)) {
         cycle_ms = now_ms;
         ask(STEP_COMMAND, 0, now_ms);
     }
@@ -185,7 +187,7 @@ static void ask_next(uint32_t now_ms)
 void controller_turn(uint32_t now_ms)
 {
     judge_silence(now_ms);
-    if (lost || waits || (rests && !has_gone_by(byte_ms, protocol.quiet_ms, now_ms)))
+    if (lost || waits || (rests && !has_gone_by(byte_ms, spoken->quiet_ms, now_ms)))
         return;
     rests = false;
     ask_next(now_ms);

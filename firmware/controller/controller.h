@@ -8,8 +8,10 @@
 
 enum { CONTROLLER_FULL = 32767, CONTROLLER_MOTORS = 2, CONTROLLER_REQUEST_MAX = 32, CONTROLLER_STOP_MAX = 20 };
 
+struct protocol;
+
 /* For the processor. Times are its milliseconds, which may begin anywhere. */
-void controller_start(uint32_t now_ms);         /* what is sent first is its stop */
+void controller_start(const struct protocol *of_controller, uint32_t now_ms);        /* what is sent first is its stop */
 bool controller_is_proved(void);                /* it has said what it is, and keeps the time-out that it was given */
 void controller_begin(uint32_t now_ms);         /* what it was proved to be it must have said again within its times from now on */
 void controller_on_byte(uint8_t byte, uint32_t now_ms);
@@ -47,7 +49,7 @@ struct protocol {
     uint8_t (*ask)(uint8_t *to, enum step step, uint8_t number, const int16_t duty[CONTROLLER_MOTORS]);
     enum heard (*hear)(uint8_t byte);           /* a byte of the reply to the newest request */
 };
-extern const struct protocol protocol;
+extern const struct protocol protocol;          /* of the board's controller */
 
 /* From a protocol, as it hears them. Counters wrap. */
 void controller_tell_counters(const uint32_t counters[CONTROLLER_MOTORS]);

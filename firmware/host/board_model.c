@@ -42,17 +42,23 @@ static void reset(int cause)
     program_start();
 }
 
+static void end(int cause)
+{
+    if (cause)
+        board_reset(machine_board, cause);
+}
+
 static void fire(enum source source)
 {
     if (source == WATCHDOG) {
-        program_on_watchdog();
+        end(program_on_watchdog());
         return;
     }
     if (source < WATCHDOG)
         parts_on_event(source);
     else
         processor_on_event(source);
-    program_after_event();
+    end(program_turn());
 }
 
 EXPORT struct board_model *board_open(const char *image, const char *board, char *message)

@@ -9,6 +9,8 @@
 
 enum { MODEL_MOTORS = 2, MODEL_FULL = 32767, MODEL_REPLY_MAX = 64 };
 
+extern const unsigned model_baud;
+
 struct controller_model {
     double volts;                       /* in: of its battery */
     int is_pressed;                     /* in: its emergency input, where it has one */

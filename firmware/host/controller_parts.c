@@ -2,7 +2,6 @@
 #include <math.h>
 #include <string.h>
 #include "board.h"
-#include "controller.h"
 #include "machine.h"
 #include "controller_model.h"
 #include "shafts.h"
@@ -30,7 +29,7 @@ static double now_us(void)
 
 static uint64_t byte_ns(void)
 {
-    return BITS_PER_BYTE * 1000000000ull / protocol.baud;
+    return BITS_PER_BYTE * 1000000000ull / model_baud;
 }
 
 static void add(struct way *way, const uint8_t *bytes, unsigned n)

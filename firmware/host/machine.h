@@ -26,6 +26,8 @@ void processor_reset(int cause);
 void processor_on_event(enum source source);
 void processor_lose_input(void);                /* what the host has sent and the program has not got */
 
+void system_start(void);                        /* of a process: system.c */
+
 /* What is soldered to it: base_parts.c with bridges.c or servos.c, controller_parts.c, joystick_parts.c, ranger_parts.c. */
 void parts_open(void);
 void parts_reset(void);                         /* the processor's pins are inputs again */

@@ -5,6 +5,8 @@
 #include <string.h>
 
 enum { ADDRESS = 0x80, ACKNOWLEDGED = 0xff, FORGETS_US = 10000 };
+const unsigned model_baud = 115200;
+
 static const double FASTEST = 655359;           /* of the duty, in a second */
 static const char VERSION[] = "USB Roboclaw 2x15a v4.2.4\n";
 

@@ -5,6 +5,8 @@
 #include <string.h>
 
 enum { LINE_MAX = 48, FULL = 255, KP = 20, KD = 12, KO = 50 };
+const unsigned model_baud = 57600;
+
 static const double FRAME_US = 1e6 / 30, STOPS_US = 2e6;
 
 static struct {

@@ -1,22 +1,15 @@
-/* A microcontroller runs the program: a timer interrupts it each millisecond, and code takes no time. */
+/* A microcontroller's timer, which interrupts it each millisecond. */
 #include "board.h"
 #include "clock.h"
 #include "firmware.h"
 #include "hal.h"
 #include "machine.h"
 #include "program.h"
-#include "protocol.h"
 #include "uart.h"
 
 enum { MS_NS = 1000000 };
 
 static uint64_t millisecond_began_ns;
-
-void program_start(void)
-{
-    firmware_setup();
-    firmware_poll();
-}
 
 void program_on_clock(void)
 {
@@ -25,19 +18,9 @@ void program_on_clock(void)
     firmware_on_millisecond();
 }
 
-void program_on_watchdog(void)
-{
-    board_reset(machine_board, RESET_WATCHDOG);
-}
-
 void program_on_byte(uint8_t byte)
 {
     uart_on_receive(byte, false);
-}
-
-void program_after_event(void)
-{
-    firmware_poll();
 }
 
 void hal_enable_interrupts(void)

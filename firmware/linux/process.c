@@ -1,37 +1,33 @@
 #include "process.h"
 #include <stdbool.h>
 #include <stddef.h>
-#include "clock.h"
-#include "controller.h"
 #include "firmware.h"
 #include "hal.h"
 #include "protocol.h"
 #include "system.h"
+#include "ticks.h"
 #include "uart.h"
 
 enum { MS_NS = 1000000 };
 
 static bool is_set_up;
 static uint64_t turned_ns;              /* the newest turn */
-static uint64_t next_ns;                /* the millisecond under way ends; 0 = the clock has not begun */
 
 static uint32_t now_ms(void)
 {
     return (uint32_t)(system_ns() / MS_NS);
 }
 
-void process_start(void)
+void process_start(const struct protocol *of_controller)
 {
     turned_ns = system_ns();
-    controller_start(now_ms());
+    controller_start(of_controller, now_ms());
 }
 
 static void run_due_milliseconds(void)
 {
-    while (next_ns && system_ns() >= next_ns) {
-        next_ns += MS_NS;
+    while (ticks_take_due())
         firmware_on_millisecond();
-    }
 }
 
 static void take_from_line(void)
@@ -78,30 +74,4 @@ struct ending process_turn(void)
     if (is_set_up)
         take_from_port();
     return (struct ending){ 0, NULL };
-}
-
-void hal_enable_interrupts(void)
-{
-}
-
-void hal_start_clock(void)
-{
-    next_ns = system_ns() + MS_NS;
-}
-
-/* Since the newest millisecond that was counted; one that is late by more than a clock can say is late enough. */
-static uint16_t clock_counts(void)
-{
-    uint64_t since_ns = system_ns() + MS_NS - next_ns;
-    return (uint16_t)((since_ns < 3 * MS_NS ? since_ns : 3 * MS_NS) * CLOCK_COUNTS_PER_MS / MS_NS);
-}
-
-uint8_t hal_clock_stamps(void)
-{
-    return CLOCK_STAMPS(clock_counts());
-}
-
-uint16_t hal_clock_us(void)
-{
-    return CLOCK_US(clock_counts());
 }

@@ -3,13 +3,14 @@
 #ifndef GIRAFF_PROCESS_H
 #define GIRAFF_PROCESS_H
 #include <stdint.h>
+#include "controller.h"
 
 struct ending {
     uint8_t cause;                      /* of the reset: enum reset_cause */
     const char *why;                    /* NULL: the process goes on */
 };
 
-void process_start(void);
+void process_start(const struct protocol *of_controller);
 struct ending process_turn(void);       /* whenever something has come, and each millisecond */
 
 #endif

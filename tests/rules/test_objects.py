@@ -4,14 +4,16 @@ import re
 from itertools import chain
 from typing import Final
 
+from giraff_schemas.boards import ALL_BOARDS
 from giraff_sim.board import BUILD, ROOT, newer_source
 from tests.support.tools import finished
 
 Needs = dict[str, dict[str, list[str]]]
 """Of each object: the others that it needs, and which symbols of theirs."""
 
-BOARDS: Final = [board.name for board in (ROOT / "firmware" / "boards").iterdir()]
-LINKED: Final = ("lockstep/lockstep.so", *(f"firmware/{b}.elf" for b in BOARDS), *(f"host/{b}.so" for b in BOARDS))
+BOARDS: Final = [board.name for board in ALL_BOARDS]
+PROGRAMS: Final = [f"{board.name}" if board.is_process else f"{board.name}.elf" for board in ALL_BOARDS]
+LINKED: Final = ("lockstep/lockstep.so", *(f"firmware/{p}" for p in PROGRAMS), *(f"host/{b}.so" for b in BOARDS))
 FROM_INTERRUPTS: Final = re.compile(r"\w+_on_\w+|gathered")
 """What the processor's side needs of the program above it: hal.h has that interrupts call it. Ardros's fill what is
 `gathered` by themselves, since a call would take them too long."""

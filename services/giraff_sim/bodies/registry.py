@@ -57,10 +57,11 @@ def with_known(environment: Mapping[str, str]) -> dict[str, str]:
 
 def _known_of(drive: DriveConfig) -> Mapping[str, str]:
     match drive:
-        case WheelsConfig() if drive.board_type.measures_battery:
-            return WHEELS_KNOWN
         case WheelsConfig():
-            return {name: value for name, value in WHEELS_KNOWN.items() if not name.endswith(_DIVIDER)}
+            board = drive.board_type
+            left_out = {_DIVIDER: not board.measures_battery, "__WHEEL_CONTROL": board.loop_hz > 0}
+            ends = tuple(end for end, is_left_out in left_out.items() if is_left_out)
+            return {name: value for name, value in WHEELS_KNOWN.items() if not name.endswith(ends)}
         case BalancerConfig():
             return BALANCER_KNOWN
         case _ as never:

@@ -113,6 +113,7 @@ OUTSIDE: Final[Mapping[str, tuple[str, Callable[[tuple[str, ...]], str]]]] = {
     "/opt/giraff/bin/python": (ROOTS, _module),
     "pip": ("it needs the internet", _extras),
     "cp": (SHELL, _source),
+    "build/firmware/roboclaw": ("it needs a controller: tests/functional/robot", _nothing),
     "git": ("it needs the internet", _nothing),
     "scp": ("it needs another machine", _nothing),
     **dict.fromkeys(("apt-get", "adduser", "newgrp", "chown", "groupdel", "install", "mv", "rm"), (ROOTS, _nothing)),

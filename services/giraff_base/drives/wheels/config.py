@@ -127,7 +127,7 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
         if self.asks_for_speeds and self.board_type.loop_hz:
             raise ValueError(
                 f'wheel_control is "speed": the controller behind the board {self.board} holds speeds by a loop of its '
-                'own, which levels ask; it must be "level"'
+                "own; leave it out"
             )
         if self.asks_for_speeds:
             self._check_speed_control()
