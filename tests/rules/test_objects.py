@@ -5,7 +5,7 @@ from itertools import chain
 from typing import Final
 
 from giraff_schemas.boards import ALL_BOARDS
-from giraff_sim.board import BUILD, ROOT, newer_source
+from giraff_sim.board import BUILD, newer_source
 from tests.support.tools import finished
 
 Needs = dict[str, dict[str, list[str]]]
