@@ -83,10 +83,11 @@ class Bench:
 class BaseBench(Bench):
     """The base board, and a host that knows how to drive it."""
 
-    def __init__(self, board: Board) -> None:
+    def __init__(self, board: Board, starts_ms: int = 15) -> None:
+        """`starts_ms`: until it has reported."""
         super().__init__(board)
         self.seq = 0
-        self.run(15)
+        self.run(starts_ms)
 
     def wheels(self) -> WheelsFrame:
         return self.last(WheelsFrame)
@@ -158,7 +159,7 @@ _MOTOR_MS = 150.0
 class SpeedBench(BaseBench):
     """The base board, wheels that turn by what their motors get, and a host that asks for their speeds."""
 
-    def __init__(self, board: Board, robot: RobotConfig = ROBOT) -> None:
+    def __init__(self, board: Board, robot: RobotConfig = ROBOT, starts_ms: int = 15) -> None:
         self.robot = robot
         self.strength = [1.0, 1.0]
         """Of the speed that the robot's file expects of each motor."""
@@ -169,7 +170,7 @@ class SpeedBench(BaseBench):
         self.hands: list[Callable[[int], float] | None] = [None, None]
         """What turns each wheel in the place of its motor: m/s, at a time in ms."""
         self.volts(BY_SPEED.battery_nominal, board)
-        super().__init__(board)
+        super().__init__(board, starts_ms)
         self.before_each_ms = self._turn
 
     def volts(self, volts: float, board: Board | None = None) -> None:
@@ -177,9 +178,11 @@ class SpeedBench(BaseBench):
         self._voltage_ratio = volts / BY_SPEED.battery_nominal
         count = BY_SPEED.battery_volts_per_count
         (board or self.board).model.battery_volts = (volts / count + 0.5) * 5 / 1024
+        (board or self.board).model.driver_volts = volts
 
     def _turn(self) -> None:
-        most, moved = self.robot.max_wheel_speed / BY_SPEED.max_level, self.robot.ticks_per_metre * 2 / 1000
+        most = self.robot.max_wheel_speed / BY_SPEED.max_level
+        moved = self.robot.ticks_per_metre * self.board.type.states_per_tick / 1000
         for number, motor in enumerate(self.model.motor):
             if (hand := self.hands[number]) is not None:
                 speed = hand(self.now_ms)

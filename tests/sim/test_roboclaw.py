@@ -1,0 +1,94 @@
+"""The contract of two wheels, with the process in front of a RoboClaw: judged by the controller's record."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import msgspec
+import pytest
+
+from giraff_schemas.boards import ROBOCLAW_BOARD
+from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Frame, WheelsFrame
+from giraff_sim.board import Implementation, open_board
+from tests.firmware.bench import SpeedBench
+from tests.support.robot_files import ROBOTS
+from tests.unit.base.drives.contract import AnyDrive
+
+FILE: Final = ROBOTS["roboclaw"]
+STARTS_MS: Final = 120
+"""Within which the controller has proved itself and the board reports."""
+TAKES_MS: Final = 20
+"""Within which a frame has come over the line and a command has gone to the controller."""
+OFF_MS: Final = ROBOCLAW_BOARD.output_delay_us // 1000
+ASKED_AGAIN_MS: Final = 200
+"""Within which the controller has told of its emergency input again."""
+PROCESS_HANGS: Final = 2
+BENCHES: Final[list[SpeedBench]] = []
+
+
+class ProcessBoard:
+    period_ns = 10_000_000
+
+    def __init__(self) -> None:
+        board = open_board(ROBOCLAW_BOARD, Implementation.HOST)
+        self.bench = SpeedBench(board, FILE.settings.robot, STARTS_MS)
+        BENCHES.append(self.bench)
+
+    def report(self) -> WheelsFrame:
+        self.bench.forget()
+        for _ in range(STARTS_MS):
+            self.bench.run(1)
+            if reports := self.bench.all(WheelsFrame):
+                return reports[0]
+        raise AssertionError("it does not report")
+
+    def receive(self, frame: Frame) -> None:
+        self.bench.send(frame)
+        self.bench.run(TAKES_MS)
+
+    def reset(self) -> None:
+        before = self.bench.model.resets
+        self.bench.model.process_stalls = PROCESS_HANGS
+        while self.bench.model.resets == before:
+            self.bench.run(1)
+
+    def twist(self) -> tuple[float, float]:
+        return FILE.settings.robot.kinematics.twist(*self.bench.speed)
+
+    def is_safe(self) -> bool:
+        """What drives when it should not drives on; off is a command of the next cycle, and a ramp."""
+        self.bench.run(OFF_MS)
+        return self.bench.duties() == (0.0, 0.0)
+
+    def is_latched(self) -> bool:
+        return self.report().latch != 0
+
+    def is_off(self) -> bool:
+        return self.is_safe()
+
+    def latch_by_itself(self) -> None:
+        """Press the controller's emergency input, and let it go."""
+        self.bench.model.cord_pulled = 1
+        self.bench.run(ASKED_AGAIN_MS)
+        assert self.is_latched()
+        self.bench.model.cord_pulled = 0
+        self.bench.run(ASKED_AGAIN_MS)
+
+
+@pytest.fixture(autouse=True)
+def _close() -> Iterator[None]:
+    yield
+    while BENCHES:
+        BENCHES.pop().board.close()
+
+
+class TestBySpeeds(AnyDrive):
+    config = FILE.drive
+    robot = FILE.settings.robot
+    command_timeout = COMMAND_TIMEOUT_MS / 1000
+
+    def board(self) -> ProcessBoard:
+        return ProcessBoard()
+
+
+class TestByLevels(TestBySpeeds):
+    config = msgspec.structs.replace(FILE.drive, wheel_control="level")
