@@ -41,7 +41,7 @@ class RoboclawBench(BaseBench):
 
     def __init__(self) -> None:
         super().__init__(
-            open_board(ROBOCLAW_BOARD, with_fault("roboclaw_line", "roboclaw_on_byte", board="roboclaw")), 0
+            open_board(ROBOCLAW_BOARD, with_fault("roboclaw_line", "model_on_byte", board="roboclaw")), 0
         )
         self.model.driver_volts = 24.0
         self.asked: list[Request] = []
