@@ -15,7 +15,7 @@ from giraff_sim.control.control import Control
 from giraff_sim.simulation import Simulation, WallPacer
 from giraff_sim.world.hand import StillHand
 from tests.firmware.builds import compiled_for_avr
-from tests.sim.robots import EXACT, empty_room, world_in
+from tests.sim.robots import EXACT, empty_room
 from tests.sim.test_control import ask, make_hand
 from tests.support.robots import DRIVE, ROBOT
 from tests.support.wheels import wheels_of
@@ -121,6 +121,9 @@ def test_without_pulses_the_driver_is_off_after_its_timeout_if_it_has_one(board:
     assert drives(board) == (duty(SECOND), duty(RIGHT))
 
 
-def test_an_h_bridge_has_no_signal_wire() -> None:
-    with pytest.raises(ValueError, match="the board base has no servo output"):
-        wheels_of(world_in(empty_room())).cut_signal(0, is_cut=True)
+@pytest.mark.parametrize("board", ["base", "roboclaw"])
+def test_without_servo_outputs_there_is_no_signal_wire(board: str) -> None:
+    drive = msgspec.structs.replace(DRIVE, board=board)
+    world = world_of(empty_room(), ROBOT, drive, EXACT, StillHand(), 1)
+    with pytest.raises(ValueError, match=f"the board {board} has no servo output"):
+        wheels_of(world).cut_signal(0, is_cut=True)

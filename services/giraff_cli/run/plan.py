@@ -79,7 +79,7 @@ class Plan:
     """The simulator's word for who holds the joystick."""
     boards: Boards
     why_boards: str
-    """Why not the better ones; empty when they are, or when they were asked for."""
+    """Why not the better ones, or not all of them; empty when they are, or when they were asked for."""
     services: tuple[str, ...]
     """Names of those that run: of every run, and then of the options that were given."""
     camera: str
@@ -148,12 +148,13 @@ def choose_boards(
         boards: [name for name in _needed(base, ranger, Implementation(boards)) if not (build / name).is_file()]
         for boards in get_args(Boards)
     }
+    but_process = f"all but {base.name}, which is a process" if base.is_process else ""
     if wanted is not None:
         if missing[wanted]:
             raise PlanError(f"--boards {wanted}: build/{missing[wanted][0]} is missing; make run builds it")
-        return wanted, ""
+        return wanted, but_process if wanted == "avr" else ""
     if not missing["avr"]:
-        return "avr", ""
+        return "avr", but_process
     if not missing["host"]:
         return "host", f"build/{missing['avr'][0]} is missing (make run builds it where it can)"
     raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make run builds it")

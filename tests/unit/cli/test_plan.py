@@ -20,7 +20,7 @@ from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import load
 from giraff_node.network.discovery import simulated_name
-from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD, NANO_RANGER_BOARD
+from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD, NANO_RANGER_BOARD, ROBOCLAW_BOARD
 from giraff_schemas.services import SIMULATED
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.trouble import NO_TROUBLE
@@ -310,6 +310,9 @@ def test_another_base_board_needs_its_own_firmware(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     (tmp_path / "firmware" / "base.elf").unlink()
     assert choose_boards(None, ARDROS_BOARD, tmp_path) == ("avr", "")
+    (tmp_path / "host" / "roboclaw.so").touch()
+    assert choose_boards("avr", ROBOCLAW_BOARD, tmp_path) == ("avr", "all but roboclaw, which is a process")
+    assert choose_boards("host", ROBOCLAW_BOARD, tmp_path) == ("host", "")
 
 
 def test_the_ranger_of_the_file_needs_its_own_firmware(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -146,7 +146,7 @@ class WheelsBody:
 
     def cut_signal(self, wheel: int, *, is_cut: bool) -> None:
         """Pull off (or put back) the wire from a wheel's servo output to the motor driver. ValueError without one."""
-        if not self.board.output_delay_us:
+        if self.board.is_process or not self.board.output_delay_us:
             raise ValueError(f"the board {self.board.name} has no servo output whose wire could be cut")
         self._signal_cut[self._motor_wiring.motor_of(wheel)] = int(is_cut)
 
