@@ -66,9 +66,16 @@ class BoardType(NamedTuple):
         """Return whether it can tell how both channels of its encoders change."""
         return transitions_wire.FRAME_CLASSES.keys() <= self.frames.keys()
 
-    def flash_command(self, port: str) -> str:
-        """Return what writes its firmware, with the board on this serial port."""
-        command = f"make -C firmware flash BOARD={self.name} PORT={'usb' if self.has_programmer else port}"
+    @property
+    def unit(self) -> str:
+        """Return the unit of systemd that runs its program. Empty: the board itself does."""
+        return f"giraff-board@{self.name}" if self.is_process else ""
+
+    def flash_advice(self, port: str) -> str:
+        """Return how its program comes to run with the board on this serial port. `re` may stand before it."""
+        if self.is_process:
+            return f"start it: sudo systemctl restart {self.unit}"
+        command = f"flash it: make -C firmware flash BOARD={self.name} PORT={'usb' if self.has_programmer else port}"
         return f"{command} (or BOARD= the folder of your own pins)" if self.has_own_pins else command
 
 

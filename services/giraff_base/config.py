@@ -16,7 +16,7 @@ KINDS: Final[tuple[type[DriveConfig], ...]] = get_args(DriveConfig)
 
 class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     port: Annotated[str, Tuning.READ_ONLY]
-    """Serial port of the base board."""
+    """Serial port of the base board; of one that is a process, the port which that makes."""
     drive: Annotated[DriveConfig, Tuning.READ_ONLY]
     """The table `[base.drive]`: what moves the robot."""
     operator_budget: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.05, 2.0, "s")] = 0.4
@@ -48,6 +48,12 @@ class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     def __post_init__(self) -> None:
         check_bounds(self)
+        board = self.drive.board_type
+        if board.is_process and self.port.startswith("/dev/") and not self.port.startswith("/dev/pts/"):
+            raise ValueError(
+                f"port is {self.port}: only the process {board.unit} opens the controller's port; "
+                "it must be the one that the process makes, /run/giraff-board/port"
+            )
         if self.battery_low and self.battery_cutoff > self.battery_low:
             raise ValueError(f"battery_cutoff is {self.battery_cutoff}: it must not be above battery_low")
         if 0.0 < self.battery_cutoff <= self.drive.battery_minimum:

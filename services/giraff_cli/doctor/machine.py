@@ -61,15 +61,17 @@ def look_at_machine(
 def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os.environ) -> tuple[Port, ...]:
     """Of the services that do not run and whose port is there: whether the right board answers.
 
-    A port that is not there may be another machine's; one that is in use is not touched. `giraff run` simulates all.
+    A port that is not there may be another machine's, but for that of a process whose folder is there; one that is in
+    use is not touched. `giraff run` simulates all.
     """
     found = []
     for service in SERVICES:
         if service.board is None or service.name in running or RUN.name in running:
             continue
         path = str(_tables(environment).get(service.table, {}).get("port", ""))
-        if path and Path(path).exists():
-            problem = _greet(path, _board_of(service.name, BOARDS[service.board], environment))
+        board = _board_of(service.name, BOARDS[service.board], environment)
+        if path and (Path(path).exists() or (board.is_process and Path(path).parent.is_dir())):
+            problem = _greet(path, board)
             if problem is not None:
                 found.append(Port(service=service.name, problem=problem))
     return tuple(found)
@@ -128,7 +130,7 @@ def _greet(path: str, board: BoardType) -> Trouble | None:
             return NO_TROUBLE
         silent = Trouble(
             f"{path}: no {board.name} board says hello",
-            f"see its power, its cable, and that it is flashed: {board.flash_command(path)}",
+            f"see its power and its cable, or {board.flash_advice(path)}",
         )
         problem = link.mismatch or (silent if link.opened else link.fault)
         return None if problem == IN_USE.of(path) else problem

@@ -3,7 +3,7 @@
 from math import inf
 from typing import Final
 
-from giraff_node.boards.serial_link import SerialLink
+from giraff_node.boards.serial_link import NO_PORT, SerialLink
 from giraff_schemas.boards import ALL_BOARDS, BoardType
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -71,6 +71,9 @@ class BoardLink:
     @property
     def fault(self) -> Trouble:
         """Why there are no frames; NO_TROUBLE when there may be."""
+        if self.board.is_process and self._serial.fault == NO_PORT.of(self._serial.path):
+            silent = f"the process {self.board.unit} does not run, or its controller does not answer"
+            return Trouble(f"{self._serial.path} is not there: {silent}", f"journalctl -u {self.board.unit}")
         if self._reporting:
             return self._serial.fault or self.mismatch
         waits = Trouble(f"{self._serial.path}: no reports from a {self.board.name} board yet")
@@ -181,12 +184,12 @@ class BoardLink:
                 return Trouble(told, "swap the ports")
             # Flashing comes first: another robot's program may be on the right board.
             chosen = f'or, if that one is right, write board = "{name}" into {there.chosen_in}'
-            return Trouble(told, f"flash it: {self.board.flash_command(path)}; {chosen}")
+            return Trouble(told, f"{self.board.flash_advice(path)}; {chosen}")
         ours = self.board.protocol_hash
         if hello.protocol_hash != ours:
             return Trouble(
                 f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {ours:08x}",
-                f"reflash it: {self.board.flash_command(path)}",
+                f"re{self.board.flash_advice(path)}",
             )
         return NO_TROUBLE
 

@@ -115,18 +115,21 @@ def _ports(tables: Tables) -> StepResult:
     missing = [table for table in ("base", "ranger") if not tables.get(table, {}).get("port")]
     if name and not missing:
         boards = ", ".join(str(tables[table]["port"]) for table in ("base", "ranger"))
-        return StepResult("look", f"the robot is {name}; boards on {boards}: do they answer?{_ticks(tables)}")
+        unit = "" if _by_hand(tables) else _base_board(tables).unit
+        process = unit and f" Base's is made by {unit}, which alone opens the port that your udev rule names for it."
+        return StepResult("look", f"the robot is {name}; boards on {boards}: do they answer?{process}{_ticks(tables)}")
     return StepResult(
         "left", "no name" if not name else f"no port in {' and '.join(f'[{table}]' for table in missing)}"
     )
 
 
 def _ticks(tables: Tables) -> str:
-    """Return what the counts of a metre must be. Both edges of channel A count."""
+    """Return what the counts of a metre must be: of each turn, both edges of channel A, or all of both channels."""
     ticks = tables.get("robot", {}).get("ticks_per_metre")
     if ticks is None or _by_hand(tables):
         return ""
-    formula = "2 * pulses a turn of the motor * gear / (3.1416 * wheel diameter in m)"
+    per_pulse = 4 // _base_board(tables).states_per_tick
+    formula = f"{per_pulse} * pulses a turn of the motor * gear / (3.1416 * wheel diameter in m)"
     return f" ticks_per_metre is {ticks}: is that {formula}?"
 
 

@@ -73,8 +73,8 @@ def _check(port: str | None, svg: Path | None, report: Report) -> int:
         finally:
             bench.close()
     except MuteBoardError:
-        flash = drive.board_type.flash_command(port)
-        return _complain(f"{port}: the board's firmware does not tell transitions; flash it: {flash}", NOT_BEGUN)
+        advice = drive.board_type.flash_advice(port)
+        return _complain(f"{port}: the board's firmware does not tell transitions; {advice}", NOT_BEGUN)
     except (BenchError, DoubtError) as error:
         return _complain(str(error), NOT_BEGUN)
     except KeyboardInterrupt:

@@ -4,6 +4,7 @@ import msgspec
 import pytest
 
 from tests.support import balancer_file
+from tests.support.robot_files import ROBOTS
 from tests.support.robots import BASE
 
 
@@ -22,3 +23,10 @@ def test_a_cutoff_that_never_counts_is_refused() -> None:
     with pytest.raises(ValueError, match=r"battery_cutoff is 10\.4 V: it must be above drive\.battery_minimum"):
         msgspec.structs.replace(balancer, battery_cutoff=10.4)
     msgspec.structs.replace(balancer, battery_cutoff=0.0)
+
+
+def test_the_port_of_a_controller_is_its_process_alone() -> None:
+    base = ROBOTS["roboclaw"].settings.base
+    msgspec.structs.replace(base, port="/dev/pts/7")
+    with pytest.raises(ValueError, match="port is /dev/ttyACM0: only the process giraff-board@roboclaw opens"):
+        msgspec.structs.replace(base, port="/dev/ttyACM0")

@@ -85,6 +85,12 @@ def test_a_board_whose_lines_float_in_reset_needs_pull_downs(giraff: Giraff, nam
     assert "What the encoders give" not in told, "its channel B raises no interrupt"
 
 
+def test_a_board_that_is_a_process_alone_opens_its_controllers_port(giraff: Giraff) -> None:
+    why = statuses(ROOT / "deploy" / "robots" / "roboclaw.toml", giraff)[2]["Boards and ports"]["why"]
+    assert "made by giraff-board@roboclaw, which alone opens" in why
+    assert "is that 4 * pulses" in why, "a RoboClaw counts the edges of both channels"
+
+
 def test_a_battery_that_the_file_only_half_tells_is_left(tmp_path: Path, giraff: Giraff) -> None:
     path = tmp_path / "robot.toml"
     document = done()

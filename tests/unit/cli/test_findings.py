@@ -314,6 +314,15 @@ def test_the_board_of_the_file_is_looked_for(
     assert [each.problem.what for each in look_at_boards((), given)] == [board]
 
 
+def test_the_port_of_a_process_is_missed_where_its_folder_is(tmp_path: Path) -> None:
+    robot = ROOT / "deploy" / "robots" / "roboclaw.toml"
+    given = {"GIRAFF_CONFIG": str(robot), "GIRAFF_BASE_PORT": str(tmp_path / "giraff-board" / "port")}
+    assert look_at_boards(("ranger", "joystick"), given) == ()
+    (tmp_path / "giraff-board").mkdir()
+    [port] = look_at_boards(("ranger", "joystick"), given)
+    assert "is not there: the process giraff-board@roboclaw does not run" in port.problem.what
+
+
 @pytest.mark.parametrize(
     ("lines", "unranked"),
     [

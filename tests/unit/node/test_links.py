@@ -13,7 +13,7 @@ import serial
 
 from giraff_node.boards.board_link import SILENCE, BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SETTLES, SerialLink
-from giraff_schemas.boards import NANO_RANGER_BOARD
+from giraff_schemas.boards import NANO_RANGER_BOARD, ROBOCLAW_BOARD
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, TickFrame
@@ -250,6 +250,19 @@ def test_the_wrong_board_is_refused_and_named(port: FakePort, ranger: BoardLink,
     assert PING not in ranger.poll(0.1)
     assert says in str(ranger.fault)
     assert str(port.link) in str(ranger.fault)
+
+
+def test_a_board_that_is_a_process_is_started_and_not_flashed(port: FakePort, tmp_path: Path) -> None:
+    link = BoardLink(str(tmp_path / "port"), ROBOCLAW_BOARD)
+    assert (link.poll(0.0), link.fault.remedy) == ([], "journalctl -u giraff-board@roboclaw")
+    assert "port is not there: the process giraff-board@roboclaw does not run, or its contr" in link.fault.what
+    link = BoardLink(str(port.link), ROBOCLAW_BOARD)
+    link.poll(1.0)
+    for protocol, board, told in ((0, BoardKind.BASE, "; start it"), (1, ROBOCLAW_BOARD.number, "; restart it")):
+        port.say(encode(msgspec.structs.replace(HELLO, board=board, protocol_hash=protocol).pack()))
+        link.poll(1.1 + protocol / 10.0)
+        assert f"{told}: sudo systemctl restart giraff-board@roboclaw" in str(link.fault)
+    link.close()
 
 
 def test_a_board_that_changes_is_judged_anew(port: FakePort, ranger: BoardLink) -> None:
