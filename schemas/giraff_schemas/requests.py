@@ -48,8 +48,8 @@ class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """Cause of a refusal."""
     instance: str = ""
     """Of the base that answers. Its `estop` samples carry it, too: without them an answer proves no stop."""
-    board_reached: bool = True
-    """Base hears its board. A board that hears no base stops the wheels by itself."""
+    unheard_stops_s: float = 0.0
+    """s. Base does not hear its board, which stops by itself within this time. 0: base hears it."""
 
 
 class OdomReset(msgspec.Struct, frozen=True, kw_only=True):

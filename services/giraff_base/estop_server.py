@@ -47,6 +47,7 @@ class EStopServer:
         self._writing: EStopLatch | None = None
         self._writing_ns = 0  # since when
         self._retry_ns = 0
+        self._turned_ns = 0  # robot time of the newest turn
         self._failure = NO_TROUBLE
         self.fault = NO_TROUBLE
         """Why the latch in force is not on disk, nor about to be."""
@@ -83,6 +84,7 @@ class EStopServer:
 
     def turn(self, now: RobotTime) -> None:
         """Note what became of a write, answer, and begin the next one."""
+        self._turned_ns = now.robot_ns
         if (outcome := self._saver.outcome()) is not None:
             self._note(*outcome, now)
         if self._on_disk == self._wanted():
@@ -138,7 +140,7 @@ class EStopServer:
                     id=latch.id,
                     reason=why_not,
                     instance=self._instance,
-                    board_reached=self._policy.hears_board,
+                    unheard_stops_s=self._policy.unheard_stops_s(self._turned_ns),
                 )
             )
         self._waiting.clear()

@@ -18,7 +18,7 @@ from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, R
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import Topic
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
-from giraff_schemas.wire import Frame
+from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, Frame
 
 _LONGEST_STEP = 0.02  # s, two reports of the board: a ramp does not jump after a pause
 
@@ -96,10 +96,14 @@ class BasePolicy:
         """The emergency stop in force; what belongs on disk."""
         return self._estop.latch
 
-    @property
-    def hears_board(self) -> bool:
-        """Return True if the board reports over the serial link that is open now."""
-        return self._reported_ns is not None
+    def unheard_stops_s(self, now_ns: int) -> float:
+        """Return within which time the wheels stop without base. 0: base hears its board. `now_ns`: robot time.
+
+        A board stops when it hears no base, and one that is a process also when its controller hears no byte.
+        """
+        if self._reported_ns is not None and now_ns - self._reported_ns <= ECHO_MAX_AGE_MS * 1_000_000:
+            return 0.0
+        return max(COMMAND_TIMEOUT_MS / 1000, self._live.config.drive.board_type.stops_after_s)
 
     @property
     def faults(self) -> dict[str, Trouble]:

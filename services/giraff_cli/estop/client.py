@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from giraff_core.estop.request import BOARD_NOTE, BY_WORD, not_off
+from giraff_core.estop.request import BY_WORD, board_note, not_off, stop_word
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import DEFAULT_FILE
@@ -254,7 +254,8 @@ def _doubtful(connection: RobotConnection, asking: EStopClient, robot: str, doub
     with contextlib.suppress(Exception):  # the robot is told of, whatever its lookup meets
         host = host_of(connection.session, robot)
     word = f", {BY_WORD}" if connection.network.is_open else ""
-    told = f"a robot called {robot} at {host or 'an unknown host'} has stopped{word}{asking.note}; {doubt}"
+    has = "was asked to stop" if asking.note else "has stopped"
+    told = f"a robot called {robot} at {host or 'an unknown host'} {has}{word}{asking.note}; {doubt}"
     return Result(UNKNOWN, printable(told), robot)
 
 
@@ -267,9 +268,9 @@ def _tell_doubtful(
 def what_stands(*, is_off: bool, off: bool, by_word: bool = False, note: str = "") -> tuple[int, str]:
     """Return the code and the words of a stop that base has confirmed. `off`: it was asked for.
 
-    `by_word`: a stranger may have confirmed it in base's place. `note`: of a board that is not reached.
+    `by_word`: a stranger may have confirmed it in base's place. `note`: of a board that is not heard.
     """
-    code, what = (ENGAGED, not_off(note)) if off and not is_off else (RELEASED, "OFF" if is_off else "STOPPED")
+    code, what = (ENGAGED, not_off(note)) if off and not is_off else (RELEASED, "OFF" if is_off else stop_word(note))
     return code, f"{what}, {BY_WORD}" if by_word else what
 
 
@@ -299,8 +300,8 @@ def _unconfirmed(robot: str, asking: EStopClient, timeout: float, whose: str = "
     refusal, several = asking.refusal, asking.unconfirmed
     reason = "" if refusal is None else printable(str(refusal.reason))
     if refusal is not None and refusal.engaged and not several:
-        note = "" if refusal.board_reached else BOARD_NOTE
-        told = f"{robot}: STOPPED, latch {refusal.id}{note}, but not for sure after a restart: {reason}"
+        note = board_note(refusal.unheard_stops_s)
+        told = f"{robot}: {stop_word(note)}, latch {refusal.id}{note}, but not for sure after a restart: {reason}"
         return Result(ENGAGED, told, robot, refusal.engaged, None, refusal.id)
     refused = refusal is not None and not refusal.engaged
     known = [several, f"{asking.key} answers that it has not stopped: {reason}" if refused else ""]

@@ -10,16 +10,24 @@ from giraff_schemas.text import printable
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _NO_OFF: Final = "this robot's drive has no other off"
-BOARD_NOTE: Final = "; its board is not reached: it has stopped by itself"
-"""Stands behind a stop where base hears no board: that board hears no base either, and then stops the wheels."""
 BY_WORD: Final = "by the word of whoever answers as its base on this open network"
 """Stands behind each stop that is confirmed where a stranger can answer and publish in base's name."""
 _MOST_BASES: Final = 16  # whose states are kept; on an open network anybody may tell one
 
 
+def board_note(unheard_stops_s: float) -> str:
+    """Return what stands behind a stop where base hears no board: that board hears no base either, and then stops."""
+    return f"; its board is not heard, and stops by itself within {unheard_stops_s:g} s" if unheard_stops_s else ""
+
+
+def stop_word(note: str) -> str:
+    """Return the words for a stop that base has confirmed. `note`: of a board that it does not hear."""
+    return "ASKED TO STOP" if note else "STOPPED"
+
+
 def not_off(note: str = "") -> str:
     """Return the words for a stop that was to be off. `note`: says why it is not, and stands behind them."""
-    return "STOPPED, not off" if note else f"STOPPED, not off: {_NO_OFF}"
+    return f"{stop_word(note)}, not off" if note else f"STOPPED, not off: {_NO_OFF}"
 
 
 class StopConfirmation:
@@ -55,8 +63,8 @@ class StopConfirmation:
 
     @property
     def note(self) -> str:
-        """Return BOARD_NOTE where a base that has stopped does not hear its board; else nothing."""
-        return "" if all(answer.board_reached for answer in [*self._answers.values()]) else BOARD_NOTE
+        """Return what `board_note` says of a base that has stopped and does not hear its board; else nothing."""
+        return board_note(max((answer.unheard_stops_s for answer in [*self._answers.values()]), default=0.0))
 
     def judge(self, answer: EStopAnswer) -> bool | str:
         """Return whether each base has stopped and will stay so, or why this answer does not tell."""
@@ -151,7 +159,7 @@ class EStopRequest:
             if self._off and not is_off:
                 self.outcome = self.refused_off = Trouble(f"{not_off(note)}{word}{note}", action="release")
             else:
-                what = "OFF" if is_off else "STOPPED"
+                what = "OFF" if is_off else stop_word(note)
                 self.outcome = Trouble(f"{what}{word or ': base has confirmed'}{note}", action="release")
             return True
         self._report(self._request)

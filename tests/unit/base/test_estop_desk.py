@@ -131,18 +131,23 @@ def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_o
     office.disk.hangs = False
     office.go_on()
     assert (asked.only.done, asked.only.engaged, asked.only.id) == (True, True, office.rig.base.latch.id)
-    assert (asked.only.instance, asked.only.board_reached) == ("base-1", True)
+    assert (asked.only.instance, asked.only.unheard_stops_s) == ("base-1", 0.0)
     assert office.disk.content == office.rig.base.latch
     assert office.desk.fault == NO_TROUBLE
 
 
-def test_base_tells_who_stops_it_that_its_board_is_not_reached(office: Office) -> None:
-    office.rig.base.on_link_lost(Trouble("no such port"))
+@pytest.mark.parametrize(("silent", "unheard"), [(None, 0.3), (0.14, 0.0), (0.16, 0.3)])
+def test_base_tells_who_stops_it_that_it_does_not_hear_its_board(
+    office: Office, silent: float | None, unheard: float
+) -> None:
+    if silent is None:
+        office.rig.base.on_link_lost(Trouble("no such port"))
+    office.rig.robot_ns += round((silent or 0.0) * 1e9)
     asked = office.engage()
     office.desk.turn(office.rig.now)
     office.disk.work()
     office.desk.turn(office.rig.now)
-    assert (asked.only.done, asked.only.board_reached) == (True, False)
+    assert (asked.only.done, asked.only.unheard_stops_s) == (True, unheard)
 
 
 def test_the_same_stop_again_while_its_release_is_being_written_waits_for_what_becomes_of_that(stopped: Office) -> None:

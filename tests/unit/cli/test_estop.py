@@ -14,7 +14,7 @@ import zenoh
 
 from giraff_cli.estop import client
 from giraff_cli.estop.client import engage, reset, status
-from giraff_core.estop.request import BOARD_NOTE, not_off
+from giraff_core.estop.request import board_note, not_off
 from giraff_core.network import NetworkConfig
 from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
@@ -264,10 +264,11 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
     assert told[1].text.startswith("anna: NOT CONFIRMED after 2 s: giraff/anna/estop/engage: no such key")
 
 
-@pytest.mark.parametrize("note", ["", BOARD_NOTE])
+@pytest.mark.parametrize("unheard", [0.0, 0.3])
 @pytest.mark.parametrize("tells", [True, False])
-def test_off_is_told_where_base_tells_it_and_reaches_its_board(network: Network, tells: bool, note: str) -> None:
-    answer, is_off = msgspec.structs.replace(DONE, board_reached=not note), tells and not note
+def test_off_is_told_where_base_tells_it_and_hears_its_board(network: Network, tells: bool, unheard: float) -> None:
+    note = board_note(unheard)
+    answer, is_off = msgspec.structs.replace(DONE, unheard_stops_s=unheard), tells and not unheard
     alive = network.session.declare_token(alive_key(ROBOT, "base", "b"))
     with network.base(lambda _: answer, msgspec.structs.replace(LATCHED, off=tells)) as asked, alive:
         told = [engage(network.connection, "me", "a cat", 10.0, off=True)]

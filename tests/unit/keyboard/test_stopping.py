@@ -51,14 +51,14 @@ def test_nothing_is_asked_before_the_space_bar() -> None:
 
 
 @pytest.mark.parametrize(
-    ("is_open", "reached", "says"),
+    ("is_open", "unheard", "says"),
     [
-        (False, True, "STOPPED: base has confirmed"),
-        (True, True, "STOPPED, by the word of whoever answers as its base on this open network"),
-        (False, False, "STOPPED: base has confirmed; its board is not reached: it has stopped by itself"),
+        (False, 0.0, "STOPPED: base has confirmed"),
+        (True, 0.0, "STOPPED, by the word of whoever answers as its base on this open network"),
+        (False, 2.0, "ASKED TO STOP: base has confirmed; its board is not heard, and stops by itself within 2 s"),
     ],
 )
-def test_it_asks_until_base_confirms(is_open: bool, reached: bool, says: str) -> None:
+def test_it_asks_until_base_confirms(is_open: bool, unheard: float, says: str) -> None:
     line = Line()
     stopping = EStopRequest(line.ask, is_open=is_open)
     stopping.engage()
@@ -69,7 +69,7 @@ def test_it_asks_until_base_confirms(is_open: bool, reached: bool, says: str) ->
         assert stopping.asked
     assert "NOT CONFIRMED after 50 requests: estop/engage: nobody there" in str(stopping.outcome)
     assert "battery switch" in str(stopping.outcome)
-    line.answer = msgspec.structs.replace(STOPPED, board_reached=reached)
+    line.answer = msgspec.structs.replace(STOPPED, unheard_stops_s=unheard)
     assert not stopping.poll(2.0)
     assert "after 51 requests: an answer says that latch 4 is engaged, but no estop" in str(stopping.outcome)
     stopping.on_sample(STATED)
