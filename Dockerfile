@@ -55,14 +55,16 @@ FROM run AS ros2
 FROM run AS laptop
 
 
-# The boards' C for this machine. Last, because the classic builder makes every stage up to the one it is asked for.
+# The boards' C for this machine, and the boards that are a process on it. Last, because the classic builder makes every
+# stage up to the one it is asked for.
 FROM ${TOOLS_IMAGE} AS boards
 COPY firmware /src/firmware
 COPY deploy /src/deploy
-RUN make -C /src/firmware host && chmod -R a+rX /src
+RUN make -C /src/firmware host processes && chmod -R a+rX /src
 
 # The simulator looks for them where they are in the repository.
 FROM run AS sim
 COPY --from=boards /src/build/host/*.so /opt/giraff/src/build/host/
+COPY --from=boards /src/build/firmware/roboclaw /opt/giraff/src/build/firmware/
 COPY --from=boards /src/firmware/host/board_model.h /opt/giraff/src/firmware/host/
 COPY --from=boards /src/deploy /opt/giraff/src/deploy

@@ -12,6 +12,8 @@ base_PARTS := shafts
 balancer_PARTS := shafts
 PARTS := microcontroller ticking $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
 ifneq ($(CONTROLLER),)
+# The very model of the simulated world, on a pseudo terminal.
+TERMINAL := $(BUILD)/host/$(CONTROLLER)_terminal
 PARTS := process system controller_parts controller_model shafts $(CONTROLLER)_model
 endif
 MACHINE := board_model machine processor $(PARTS)
@@ -31,9 +33,17 @@ endif
 
 COMPILE = @mkdir -p $(@D) && $(CC) $(FLAGS) -c $< -o $@
 
+.PHONY: all
+all: $(LIBRARY) $(TERMINAL)
+
 $(LIBRARY): $(OBJECTS) host/firmware.ld
 	@$(CC) $(FLAGS) -shared $(OBJECTS) -Wl,-T,host/firmware.ld $(HOST_LINK) -lm -o $@
 	$(NOTE_SOURCES)
+
+ifneq ($(CONTROLLER),)
+$(TERMINAL): $(patsubst %,$(FROM)/machine/%.o,controller_terminal controller_model $(CONTROLLER)_model)
+	@$(CC) $(FLAGS) $^ -lm -o $@
+endif
 
 $(OUT)/program/start_values.o: $(START_VALUES) $(MAKEFILE_LIST)
 	$(COMPILE)
@@ -46,6 +56,6 @@ $(OUT)/machine/%.o: %.c $(MAKEFILE_LIST)
 
 .PHONY: check
 check:
-	$(CHECK) --platform=unix64 -D__unix__ -DBOARD='"$(BOARD)"' $(MACHINE:%=host/%.c)
+	$(CHECK) --platform=unix64 -D__unix__ -DBOARD='"$(BOARD)"' $(MACHINE:%=host/%.c) $(if $(CONTROLLER),host/controller_terminal.c)
 
--include $(OBJECTS:.o=.d)
+-include $(OBJECTS:.o=.d) $(if $(CONTROLLER),$(FROM)/machine/controller_terminal.d)

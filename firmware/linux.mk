@@ -3,10 +3,10 @@ include sources.mk
 
 OUT := $(BUILD)/linux/$(BOARD)
 ELF := $(BUILD)/firmware/$(BOARD)
-SYSTEM := eeprom line main port watchdog
+SYSTEM := eeprom ending line main port watchdog
 OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(SYSTEM:%=$(OUT)/system/%.o) $(OUT)/program/start_values.o
 
-FLAGS += -O2 -g -pthread
+FLAGS += -O2 -g -pthread -DBOARD='"$(BOARD)"'
 
 COMPILE = @mkdir -p $(@D) && $(CC) $(FLAGS) -c $< -o $@
 
@@ -24,6 +24,6 @@ $(OUT)/program/%.o: %.c $(MAKEFILE_LIST)
 
 .PHONY: check
 check:
-	$(CHECK) --platform=unix64 -D__unix__ common $(FIRMWARE) controller linux
+	$(CHECK) --platform=unix64 -D__unix__ -DBOARD='"$(BOARD)"' common $(FIRMWARE) controller linux
 
 -include $(OBJECTS:.o=.d)

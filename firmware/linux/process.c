@@ -75,3 +75,8 @@ struct ending process_turn(void)
         take_from_port();
     return (struct ending){ 0, NULL };
 }
+
+uint64_t process_due_ns(void)
+{
+    return ticks_due_ns() ? ticks_due_ns() : turned_ns + MS_NS;
+}

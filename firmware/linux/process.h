@@ -12,5 +12,6 @@ struct ending {
 
 void process_start(const struct protocol *of_controller);
 struct ending process_turn(void);       /* whenever something has come, and each millisecond */
+uint64_t process_due_ns(void);          /* the next turn at the latest */
 
 #endif

@@ -7,6 +7,11 @@ enum { MS_NS = 1000000 };
 
 static uint64_t next_ns;                /* the millisecond under way ends; 0 = the clock has not begun */
 
+uint64_t ticks_due_ns(void)
+{
+    return next_ns;
+}
+
 bool ticks_take_due(void)
 {
     if (!next_ns || system_ns() < next_ns)
