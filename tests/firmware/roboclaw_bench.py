@@ -40,9 +40,7 @@ class RoboclawBench(BaseBench):
     """The board with its controller, from before they are powered on."""
 
     def __init__(self) -> None:
-        super().__init__(
-            open_board(ROBOCLAW_BOARD, with_fault("roboclaw_line", "model_on_byte", board="roboclaw")), 0
-        )
+        super().__init__(open_board(ROBOCLAW_BOARD, with_fault("roboclaw_line", "model_on_byte", board="roboclaw")), 0)
         self.model.driver_volts = 24.0
         self.asked: list[Request] = []
 

@@ -1,4 +1,4 @@
-"""The contract of two wheels, with the process in front of a RoboClaw: judged by the controller's record."""
+"""The contract of two wheels, with the process in front of a motor controller: judged by the controller's record."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -6,7 +6,7 @@ from typing import Final
 import msgspec
 import pytest
 
-from giraff_schemas.boards import ROBOCLAW_BOARD
+from giraff_schemas.boards import ROBOCLAW_BOARD, ROS_ARDUINO_BRIDGE_BOARD, BoardType
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Frame, WheelsFrame
 from giraff_sim.board import Implementation, open_board
 from tests.firmware.bench import SpeedBench
@@ -18,7 +18,6 @@ STARTS_MS: Final = 120
 """Within which the controller has proved itself and the board reports."""
 TAKES_MS: Final = 20
 """Within which a frame has come over the line and a command has gone to the controller."""
-OFF_MS: Final = ROBOCLAW_BOARD.output_delay_us // 1000
 ASKED_AGAIN_MS: Final = 200
 """Within which the controller has told of its emergency input again."""
 PROCESS_HANGS: Final = 2
@@ -28,8 +27,8 @@ BENCHES: Final[list[SpeedBench]] = []
 class ProcessBoard:
     period_ns = 10_000_000
 
-    def __init__(self) -> None:
-        board = open_board(ROBOCLAW_BOARD, Implementation.HOST)
+    def __init__(self, type_: BoardType = ROBOCLAW_BOARD) -> None:
+        board = open_board(type_, Implementation.HOST)
         self.bench = SpeedBench(board, FILE.settings.robot, STARTS_MS)
         BENCHES.append(self.bench)
 
@@ -56,7 +55,7 @@ class ProcessBoard:
 
     def is_safe(self) -> bool:
         """What drives when it should not drives on; off is a command of the next cycle, and a ramp."""
-        self.bench.run(OFF_MS)
+        self.bench.run(self.bench.board.type.output_delay_us // 1000)
         return self.bench.duties() == (0.0, 0.0)
 
     def is_latched(self) -> bool:
@@ -92,3 +91,26 @@ class TestBySpeeds(AnyDrive):
 
 class TestByLevels(TestBySpeeds):
     config = msgspec.structs.replace(FILE.drive, wheel_control="level")
+
+
+LACKS: Final = (
+    "test_a_latch_is_released_by_a_release_alone_and_that_moves_nothing",
+    "test_the_boards_own_latch_is_told_with_its_remedy",
+    "test_a_lost_board_tells_nothing",
+)
+"""Of the contract, ros_arduino_bridge has not what these press: an emergency input."""
+
+
+class TestRosArduinoBridge(TestBySpeeds):
+    """Its loop is its own, on the same wheels. It may be faster here than base lets it drive."""
+
+    config = msgspec.structs.replace(
+        FILE.drive, board="ros_arduino_bridge", wheel_control="level", battery_volts_per_count=0.0, max_level=160
+    )
+
+    def board(self) -> ProcessBoard:
+        return ProcessBoard(ROS_ARDUINO_BRIDGE_BOARD)
+
+
+for _name in LACKS:
+    setattr(TestRosArduinoBridge, _name, None)
