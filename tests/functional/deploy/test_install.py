@@ -75,7 +75,7 @@ def test_a_second_run_changes_nothing(tree: Tree) -> None:
     assert "robot.toml, as it comes" in words
     changed = {path for path, at in times(tree).items() if before.get(path) != at}
     assert {path.name for path in changed} <= {
-        *(".shipped", "giraff@.service", "behind.conf", "giraff.target"),
+        *(".shipped", "giraff@.service", "giraff-board@.service", "behind.conf", "giraff.target"),
         "giraff.conf",  # of sysusers.d and tmpfiles.d
     }
 
@@ -155,6 +155,24 @@ def test_a_role_enables_its_services_and_the_target(tree: Tree, role: str) -> No
     )
     assert tree.installed("/etc/giraff/giraff.nft").exists() is (role == "robot")
     assert ("systemctl enable giraff-firewall" in words) is (role == "robot")
+
+
+def test_a_base_board_that_is_a_process_is_enabled_where_the_robot_file_names_it(tree: Tree) -> None:
+    for name in ("roboclaw", "base.elf"):
+        (program := tree.source / "build" / "firmware" / name).parent.mkdir(parents=True, exist_ok=True)
+        program.write_text("built\n")
+    for file, enabled, words in (
+        ("robots/roboclaw.toml", ["giraff-board@roboclaw.service"], ""),
+        ("udev/99-giraff.rules", ["giraff-board@roboclaw.service"], "base refuses /etc/giraff/robot.toml"),
+        ("robots/ros_arduino_bridge.toml", [], "giraff-board@ros_arduino_bridge has no program: make -C firmware"),
+    ):
+        tree.installed(CONFIGURATION).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(tree.source / "deploy" / file, tree.installed(CONFIGURATION))
+        code, said = tree.install(ROLE="robot")
+        assert (code, words in said) == (0, True), said
+        wanted = tree.installed("/etc/systemd/system/giraff.target.wants")
+        assert [path.name for path in wanted.glob("giraff-board@*")] == enabled, file
+    assert [path.name for path in tree.installed("/opt/giraff/boards").iterdir()] == ["roboclaw"]
 
 
 def test_a_laptop_has_the_command_line_and_so_has_a_robot_that_asks_for_it(tree: Tree) -> None:

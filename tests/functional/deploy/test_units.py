@@ -10,12 +10,14 @@ import pytest
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
+from giraff_schemas.boards import ALL_BOARDS
 from giraff_schemas.services import KEYBOARD, SERVICES
 from giraff_sim.board import ROOT
 
 UNITS = ROOT / "deploy" / "systemd"
 DROP_INS = [path.name for path in UNITS.glob("*.service.d")]
 FIREWALL = "giraff-firewall.service"
+PROCESSES = [board.name for board in ALL_BOARDS if board.is_process]
 MOST_EXPOSED = 20  # tenths of systemd's own scale, which ends at 100; 17 when this was written
 
 
@@ -27,7 +29,12 @@ def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert own.is_dir(), "systemd's own units are not here: apt-get install systemd"
     shutil.copytree(own, directory / "usr/lib/systemd/system", symlinks=True)
     (directory / "lib").symlink_to("usr/lib")
-    for name in ("opt/giraff/bin/python", "usr/sbin/nft", "bin/sh"):
+    for name in (
+        "opt/giraff/bin/python",
+        *(f"opt/giraff/boards/{board}" for board in PROCESSES),
+        "usr/sbin/nft",
+        "bin/sh",
+    ):
         program = directory / name
         program.parent.mkdir(parents=True, exist_ok=True)
         program.write_text("#!/bin/sh\n")
@@ -40,7 +47,7 @@ def machine(bare: Path) -> Iterator[Path]:
     """With our units, which a test may change."""
     ours = bare / "etc/systemd/system"
     ours.mkdir(parents=True)
-    for name in ("giraff@.service", "giraff.target"):
+    for name in ("giraff@.service", "giraff-board@.service", "giraff.target"):
         shutil.copy(UNITS / name, ours)
     shutil.copy(ROOT / "deploy" / "firewall" / FIREWALL, ours)
     for drop_in in DROP_INS:
@@ -64,6 +71,7 @@ def edit(machine: Path, old: str, new: str) -> None:
 
 def test_systemd_finds_nothing_wrong(machine: Path) -> None:
     units = [f"giraff@{service.name}.service" for service in SERVICES if service.entry and service != KEYBOARD]
+    units += [f"giraff-board@{board}.service" for board in PROCESSES]
     run = analyze(machine, "verify", *units, "giraff.target", FIREWALL)
     assert (run.returncode, run.stderr) == (0, "")
 
@@ -91,6 +99,8 @@ def test_what_is_a_services_own_is_read_for_it_alone(service: str, machine: Path
 
 def test_systemd_calls_it_little_exposed(machine: Path) -> None:
     judge = ("security", "--offline=true", f"--threshold={MOST_EXPOSED}", "giraff@base.service")
+    board = analyze(machine, *judge[:-1], f"giraff-board@{PROCESSES[0]}.service")
+    assert board.returncode == 0, board.stdout
     run = analyze(machine, *judge)
     assert run.returncode == 0, run.stdout
     edit(machine, "DynamicUser=yes", "DynamicUser=no")

@@ -1,5 +1,6 @@
 """deploy/udev: rules that udev takes, and the names that the robot file uses."""
 
+import re
 import tomllib
 
 import pytest
@@ -43,7 +44,9 @@ def test_what_is_no_port_or_goes_away_is_left_alone() -> None:
 def test_each_example_is_a_rule_that_gives_one_of_the_names() -> None:
     assert len(EXAMPLES) >= 3
     named = {term.value for line in EXAMPLES for term in parse(line) if term.key == "SYMLINK"}
-    assert named == {port(service) for service in ("base", "joystick", "ranger", "scan")}
+    of_controller = re.search(r"--line /dev/(\S+)", (ROOT / "deploy/systemd/giraff-board@.service").read_text())
+    assert of_controller is not None
+    assert named == {*map(port, ("base", "joystick", "ranger", "scan")), of_controller[1]}
 
 
 def test_an_example_that_is_made_a_rule_works() -> None:

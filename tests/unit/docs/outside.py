@@ -10,6 +10,7 @@ from typing import Any, Final
 import yaml
 
 from giraff_ros2 import topics as ros
+from giraff_schemas.boards import ALL_BOARDS
 from giraff_schemas.services import ROLES, SERVICES
 from tests.rules.repository import ROOT
 
@@ -69,6 +70,7 @@ def _units(words: tuple[str, ...]) -> str:
     """Each unit is installed by `make install`, and is of a service that there is."""
     units = [word.removesuffix(".service") for word in words if word.startswith("giraff")]
     known = {f"giraff@{service.name}" for service in SERVICES} | {"giraff@*", "giraff.target", "giraff-firewall"}
+    known |= {board.unit for board in ALL_BOARDS} | {"giraff-board@*"}
     return _unknown(units, known, "unit")
 
 
