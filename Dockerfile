@@ -37,7 +37,7 @@ FROM ${BASE_IMAGE} AS run
 # 1000 is who the first user of most machines is: a bundle of keys copied there by him can be read.
 # Volumes get the owner of these folders, in whichever image they are first used.
 RUN useradd --uid 1000 --groups dialout --no-create-home --home-dir /tmp giraff \
- && install -d -o giraff -g giraff /var/lib/giraff \
+ && install -d -o giraff -g giraff /var/lib/giraff /run/giraff-board \
  && install -d -o giraff -g giraff -m 2770 /run/giraff/network
 COPY --from=build /opt/giraff /opt/giraff
 # A log line is seen when it is written. Nothing is compiled at a start: the file system is read-only.
@@ -61,6 +61,10 @@ FROM ${TOOLS_IMAGE} AS boards
 COPY firmware /src/firmware
 COPY deploy /src/deploy
 RUN make -C /src/firmware host processes && chmod -R a+rX /src
+
+# A base board that is a process in front of a motor controller.
+FROM run AS process
+COPY --from=boards /src/build/firmware /opt/giraff/boards
 
 # The simulator looks for them where they are in the repository.
 FROM run AS sim
