@@ -6,6 +6,7 @@ from typing import Final
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.simulated_run import SIM, Begin, Kind, Outcome, Scenario, ScheduledFault, known_settings, play
 from giraff_sim.settings import Services, Settings
+from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world.hand import LEVEL, Hand, ScriptedHand, StillHand
 from giraff_sim.world.room import Pose, Room
 
@@ -50,10 +51,11 @@ def stage(
     presses: tuple[tuple[float, float], ...] = (),
     settings: Settings = SETTINGS,
     sim: SimConfig = SIM,
+    truth: Truth = EXACT,
     until: str = "",
 ) -> Outcome:
     """`presses`: when the joystick's button is pressed and let go, s. `until`: rules; it ends once all are violated."""
-    scenario = Scenario(seed, room or hall(), hand or driving(), seconds, faults, presses=presses)
+    scenario = Scenario(seed, room or hall(), hand or driving(), seconds, faults, truth, presses)
     return play(scenario, settings, services, sim=sim, until_rules=until)
 
 

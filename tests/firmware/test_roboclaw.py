@@ -8,7 +8,7 @@ from typing import Any, Final
 import cffi
 import pytest
 
-from giraff_schemas.wire import DriveState, Latch, Refusal, ResetCause, WheelsFrame
+from giraff_schemas.wire import STUCK_MS, DriveState, Latch, Refusal, ResetCause, WheelsFrame
 from tests.firmware.builds import FIRMWARE, shared_library
 from tests.firmware.roboclaw_bench import (
     COMMAND,
@@ -22,6 +22,7 @@ from tests.firmware.roboclaw_bench import (
     IS_SUSPENDED,
     KEEPS_OTHER_TIMEOUT,
     LOSES_REPLIES,
+    PROVED_MS,
     REPLIES_NOISE,
     RUNS,
     SAYS_OTHERWISE,
@@ -233,6 +234,17 @@ def test_its_emergency_input_latches_the_board(board: RoboclawBench) -> None:
     board.asked.clear()
     board.keep_driving(40, 40, 100)
     assert [each for each in board.asked if each.drives] == []
+
+
+def test_a_blocked_wheel_latches_the_board_and_gets_no_more_than_was_asked(board: RoboclawBench) -> None:
+    board.run(PROVED_MS)
+    board.configure(stall_level=12)
+    board.drive(0, 0)
+    board.drive(70, 70, STUCK_MS - 20)
+    assert board.duties() == pytest.approx((70, 70), abs=0.01)
+    board.drive(70, 70, 60)
+    assert (board.duties(), board.wheels().latch) == ((0, 0), Latch.LEFT_STUCK)
+    assert max(motor.drive_peak for motor in board.model.motor) == 70
 
 
 @pytest.mark.parametrize("phase_ms", range(0, 130, 10))

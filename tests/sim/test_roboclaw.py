@@ -21,6 +21,8 @@ TAKES_MS: Final = 20
 ASKED_AGAIN_MS: Final = 200
 """Within which the controller has told of its emergency input again."""
 PROCESS_HANGS: Final = 2
+SLOW: Final = 0.05
+"""m/s."""
 BENCHES: Final[list[SpeedBench]] = []
 
 
@@ -87,6 +89,14 @@ class TestBySpeeds(AnyDrive):
 
     def board(self) -> ProcessBoard:
         return ProcessBoard()
+
+    def test_a_slow_robot_is_not_taken_for_one_that_something_holds(self) -> None:
+        bench = self.settled()
+        for _ in range(300):
+            bench.step(SLOW)
+        assert self.robot.max_wheel_speed > bench.board.twist()[0] > SLOW / 2
+        assert bench.ask(SLOW).moves
+        assert not bench.drive.not_ready
 
 
 class TestByLevels(TestBySpeeds):

@@ -24,6 +24,7 @@ _DEAF: Final = 0.15  # share of the runs in which a sensor is deaf for a time
 _FLICKERS: Final = 0.1  # share of the runs in which an encoder flickers at rest for a time
 _SLIPS: Final = 0.1  # share of the runs in which an encoder slips for a time
 _CUT_BUMPER: Final = 0.15  # share of the runs in which a bumper's wire is cut for a time, where the robot has one
+_CONTROLLER: Final = 0.7  # share of the runs in which a motor controller or its process faults, where the robot has one
 _FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
 _LAST_FAULT: Final = 1.5  # s before the end
 
@@ -52,6 +53,7 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
     )
     faults += _beside(robot_faults.deaf, _DEAF, Random(f"{seed}/deaf"), seconds)
     faults += _beside(robot_faults.bumper, _CUT_BUMPER, Random(f"{seed}/bumper"), seconds)
+    faults += _beside(robot_faults.controller, _CONTROLLER, Random(f"{seed}/controller"), seconds)
     faults += _beside(robot_faults.flicker, _FLICKERS, Random(f"{seed}/flicker"), seconds)
     faults += _beside(robot_faults.slipping_encoder, _SLIPS, Random(f"{seed}/slip"), seconds)
     presses: tuple[tuple[float, float], ...] = ()
@@ -66,7 +68,9 @@ def _beside(begin: Begin, share: float, chance: Random, seconds: float) -> tuple
     """Draw a fault in a share of the runs, by a chance of its own: all others stay what they were without it."""
     if chance.random() >= share:
         return ()
-    kind = next(each for each in (*KINDS, *robot_faults.OF_BUMPERS) if each.begin is begin)
+    kind = next(
+        each for each in (*KINDS, *robot_faults.OF_BUMPERS, *robot_faults.OF_CONTROLLERS) if each.begin is begin
+    )
     return (ScheduledFault(kind, chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT), Random(chance.getrandbits(64))),)
 
 

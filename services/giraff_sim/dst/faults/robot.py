@@ -12,7 +12,7 @@ from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.dst.judging.ledger import BASE
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
-from giraff_sim.dst.simulated_run import Course, Kind, SimulatedRun, fault
+from giraff_sim.dst.simulated_run import Begin, Course, Kind, SimulatedRun, fault
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.body import BoundedMotion
 from giraff_sim.world.sonar import SonarFault
@@ -20,6 +20,8 @@ from giraff_sim.world.sonar import SonarFault
 KINDS: Final[list[Kind]] = []
 OF_BUMPERS: Final[list[Kind]] = []
 """Apart, since no seed of the stock robot, which has no bumper, can be asked to reach them."""
+OF_CONTROLLERS: Final[list[Kind]] = []
+"""Apart for the same reason: a stock robot's board is no process in front of a motor controller."""
 
 SERVED: Final = {kind: service.name for kind in BoardKind for service in SERVICES if service.board is kind}
 _CUTOFF_US: Final = 5_500_000  # 5 s of reports below the cut-off, and a stop
@@ -27,6 +29,7 @@ _BELOW_VOLTS: Final = 1.0  # under a limit of the battery
 _CHARGED_US: Final = 5_500_000  # within which base takes a charged battery for one
 _BODY: Final = 0.3  # m
 _STRIDE_US: Final = 50_000
+_DEAD_VOLTS: Final = 4.0  # of a battery at which a motor controller is off
 _LEGS: Final = 0.15  # m, of a person
 _KEEPS_OFF: Final = 0.35  # m from the body
 
@@ -120,6 +123,52 @@ def bumper(run: SimulatedRun, chance: Random) -> Course:
     with run.stops(told, BEYOND_US, mount.way):
         yield told
     switch.is_cut = False
+
+
+_KILLED: Final = "the base board's process is killed"
+CONTROLLER_FAULTS: Final = {
+    _KILLED: ("process_stalls", 1),
+    "the base board's process is suspended": ("process_stalls", 1),
+    "the base board's process hangs": ("process_stalls", 2),
+    "the line to the motor controller is cut": ("driver_line_cut", 1),
+    "an adapter holds up the line to the motor controller": ("driver_line_held", 1),
+    "the motor controller's emergency input is pressed": ("cord_pulled", 1),
+    "the motor controller has no power": ("", 0),
+}
+"""Field of the board's model that each sets, and its value."""
+
+
+def controller_fault(what: str) -> Begin:
+    """Make one of `CONTROLLER_FAULTS` happen. It leaves a board that is no process as it is."""
+
+    def course(run: SimulatedRun, chance: Random) -> Course:
+        del chance
+        simulation, (field, value) = run.loop.simulation, CONTROLLER_FAULTS[what]
+        plant, model = simulation.world.plant, simulation.boards[BoardKind.BASE].model
+        if not simulation.world.body.board.is_process or not run.claims(CONTROLLER_FAULTS, plant):
+            return
+        volts = plant.open_volts
+        if field:
+            setattr(model, field, value)
+        else:
+            plant.open_volts = _DEAD_VOLTS
+        # A process that hangs is reset by its watchdog, and may be armed anew.
+        with run.stops(what, ROBOT_US, "any", lambda: not field or getattr(model, field) == value):
+            yield what
+        plant.open_volts = volts
+        if field:
+            setattr(model, field, 0)
+        if what == _KILLED:
+            simulation.reset(BoardKind.BASE, ResetCause.POWER_ON)
+        run.release_later()
+
+    return course
+
+
+@fault(OF_CONTROLLERS, weight=0.0, lasts=(0.02, 3.0), calm_after=4.0)
+def controller(run: SimulatedRun, chance: Random) -> Course:
+    """Not drawn among the others, but beside them."""
+    yield from controller_fault(chance.choice(tuple(CONTROLLER_FAULTS)))(run, chance)
 
 
 @fault(KINDS, weight=2.0, lasts=(0.2, 3.0))

@@ -54,6 +54,7 @@ class Judge(Ledger):
 
     def __init__(self, agenda: EventQueue, simulation: Simulation, settings: Settings, event_log: EventLog) -> None:
         self._world = simulation.world
+        self._simulation = simulation
         self._body = body = self._world.body
         super().__init__(agenda, TrueInput(settings.joystick, self._world.truth.accelerometer_offset), body.report)
         self.violations: list[Violation] = []
@@ -111,6 +112,7 @@ class Judge(Ledger):
     def after_step(self, disk: Disk) -> None:
         """Look at the motors and the robot's disk."""
         now_us = self._agenda.now_us
+        self._look_at_resets()
         self._measure_way(now_us)
         self._look_at_latch(disk, now_us)
         self._obstacles.note(now_us)
@@ -146,7 +148,9 @@ class Judge(Ledger):
         super().on_reset(kind)
         if kind is BoardKind.BASE:
             self._disarmed("the base board was reset")
-            self._asked_us = self._agenda.now_us - _OUTLIVES_US
+            # Where the line to its motor controller is cut, that stops by itself.
+            drives_on_us = round(self._body.board.stops_after_s * 1e6)
+            self._asked_us = self._agenda.now_us - _OUTLIVES_US + drives_on_us
 
     def opened(self, process: Process) -> None:
         if process.name == BASE:
@@ -230,6 +234,12 @@ class Judge(Ledger):
             self._expect_armed(passed.command.operator, asked)
         if asked.goes and (collision := self._obstacles.ahead(asked.linear, self.readings, now_us)):
             self._violated("e", collision)
+
+    def _look_at_resets(self) -> None:
+        """Find resets that nobody asked for: a process resets itself where its motor controller is not as it was."""
+        if self._body.board.is_process:
+            for _ in range(len(self._boots[BoardKind.BASE]), self._simulation.boards[BoardKind.BASE].model.resets + 1):
+                self.on_reset(BoardKind.BASE)
 
     def _measure_way(self, now_us: int) -> None:
         if now_us % _WAY_US:
