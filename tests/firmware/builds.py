@@ -70,6 +70,12 @@ def sanitized(*boards: str) -> list[Path]:
     return [build / "host" / f"{board}.so" for board in boards]
 
 
+def sanitized_roboclaw() -> Path:
+    """Return the process in front of a RoboClaw with the same, and with what goes wrong on its line."""
+    fault = f"HOST_EXTRA={HERE / 'faults' / 'roboclaw_line'}.c", "HOST_LINK=-Wl,--wrap=model_on_byte"
+    return compiled("sanitized_roboclaw", "SANITIZE=1", *fault, *_host("roboclaw")) / "host" / "roboclaw.so"
+
+
 def with_fault(name: str, *wrapped: str, board: str = "base") -> Path:
     """Compile a board with faults/`name`.c between the program and the `wrapped` functions."""
     link = " ".join(f"-Wl,--wrap={function}" for function in wrapped)

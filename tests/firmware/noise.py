@@ -8,7 +8,7 @@ import random
 import sys
 from pathlib import Path
 
-from giraff_schemas.boards import BALANCER_BOARD, BOARDS, BoardType
+from giraff_schemas.boards import BALANCER_BOARD, BOARDS, ROBOCLAW_BOARD, BoardType
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     FRAME_CLASSES,
@@ -35,7 +35,8 @@ HOST_FRAMES: tuple[type[Frame], ...] = (
     TickFrame,
 )
 FRAMES: tuple[type[Frame], ...] = (*HOST_FRAMES, *FRAME_CLASSES.values(), *balancer_wire.FRAME_CLASSES.values())
-TYPES: dict[str, BoardType] = {board.name: board for board in (*BOARDS.values(), BALANCER_BOARD)}
+TYPES: dict[str, BoardType] = {board.name: board for board in (*BOARDS.values(), BALANCER_BOARD, ROBOCLAW_BOARD)}
+SPOILT_MS, EACH_MS = 200, 1000
 
 
 def noise(chance: random.Random) -> bytes:
@@ -47,6 +48,16 @@ def noise(chance: random.Random) -> bytes:
     if chance.random() < 0.5:
         frame[chance.randrange(len(frame))] = chance.randrange(256)
     return bytes(frame)
+
+
+def spoil_line(board: Board, chance: random.Random, now_ms: int) -> None:
+    """Let its controller hear and answer noise, for a while of each second, so that it proves itself in between."""
+    is_spoilt = now_ms % EACH_MS < SPOILT_MS
+    fault = chance.randrange(8) if is_spoilt else 0
+    board.registers[0:17] = bytes([fault, 0, 1, *chance.randbytes(2), *bytes(12)])
+    board.model.driver_line_cut = is_spoilt and chance.random() < 0.01
+    if is_spoilt and chance.random() < 0.003:
+        board.model.process_stalls = chance.choice([1, 2])
 
 
 def line_errors(library: Path, milliseconds: int) -> int:
@@ -64,6 +75,8 @@ def line_errors(library: Path, milliseconds: int) -> int:
         board.model.sensor_volts = [chance.uniform(0, 3.3) for _ in range(4)]
         board.model.twi_address = chance.choice([0, 0x28, 0x28, 0x28])
         board.registers[0:64] = chance.randbytes(64) if chance.random() < 0.5 else bytes([0xA0, 0xFB]) + bytes(62)
+        if board.type.is_process:
+            spoil_line(board, chance, now_ms)
         if chance.random() < 0.001:
             board.reset()
         board.run(now_ms * 1000)

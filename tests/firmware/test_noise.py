@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from giraff_sim.board import ROOT
-from tests.firmware.builds import sanitized
+from tests.firmware.builds import sanitized, sanitized_roboclaw
 from tests.support.tools import finished
 
 SESSIONS = 60
@@ -33,7 +33,7 @@ def test_noise_does_nothing() -> None:
 
 def throw_noise(milliseconds: int) -> None:
     """Throw noise at each board, and look at what its program says."""
-    libraries = sanitized("base", "joystick", "ranger", "balancer")
+    libraries = [*sanitized("base", "joystick", "ranger", "balancer"), sanitized_roboclaw()]
     line_errors = told_by("noise", libraries[0], str(milliseconds), *map(str, libraries))
     assert [errors > 100 for errors in line_errors] == [True] * len(libraries)
 
