@@ -14,6 +14,8 @@ static uint8_t number, other;
 static bool waits;                              /* for its reply */
 static bool rests;                              /* nothing is asked before the line has been silent for quiet_ms */
 static uint8_t missing;                         /* not 0: no reply came to the newest requests */
+static bool is_disobeyed;                       /* a command has no answer, */
+static uint32_t disobeyed_ms;                   /* and neither has any since then */
 static uint32_t asked_ms, byte_ms, heard_ms, kept_ms, cycle_ms, other_ms;
 static uint32_t counted[CONTROLLER_MOTORS];
 static bool is_counted;
@@ -88,6 +90,10 @@ static void ask(enum step what, uint8_t which, uint32_t now_ms)
     int16_t duty[CONTROLLER_MOTORS] = { 0, 0 };
     if (what == STEP_COMMAND)
         duty_take(duty, missing != 0);
+    if (what == STEP_COMMAND && !is_disobeyed) {
+        is_disobeyed = true;
+        disobeyed_ms = now_ms;
+    }
     step = what;
     number = which;
     waits = true;
@@ -102,10 +108,8 @@ static void on_reply(uint32_t now_ms)
     heard_ms = now_ms;
     if (step == STEP_PROVE && ++number == spoken->proofs)
         is_proved = true;
-    if (step == STEP_OTHER) {
-        other_ms = now_ms;
-        other = (uint8_t)((other + 1) % spoken->others);
-    }
+    if (step == STEP_COMMAND)
+        is_disobeyed = false;
 }
 
 /* An acknowledgement names nothing: one that comes late must not be taken for that of the next request. */
@@ -163,6 +167,8 @@ static void judge_silence(uint32_t now_ms)
         return;
     if (has_gone_by(heard_ms, spoken->lost_ms, now_ms))
         lost = "the controller is silent";
+    else if (is_disobeyed && has_gone_by(disobeyed_ms, spoken->lost_ms, now_ms))
+        lost = "the controller answers, but to no command";
     else if (spoken->kept_ms && has_gone_by(kept_ms, spoken->kept_ms, now_ms))
         lost = "the controller does not say its time-out";
 }
@@ -177,7 +183,9 @@ static void ask_next(uint32_t now_ms)
     } else if (missing || step == STEP_COMMAND || step == STEP_PROVE) {
         ask(STEP_COUNTERS, 0, now_ms);
     } else if (spoken->others && has_gone_by(other_ms, spoken->other_ms, now_ms)) {
+        other_ms = now_ms;
         ask(STEP_OTHER, other, now_ms);
+        other = (uint8_t)((other + 1) % spoken->others);
     } else if (has_gone_by(cycle_ms, spoken->cycle_ms, now_ms)) {
         cycle_ms = now_ms;
         ask(STEP_COMMAND, 0, now_ms);

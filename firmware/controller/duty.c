@@ -1,16 +1,19 @@
 #include "duty.h"
 #include "hal_base.h"
 
-enum { LEVEL_MAX = 255 };
+enum { LEVEL_MAX = 255, SUMS_MAX = 250 };
+_Static_assert(INT32_MAX / LEVEL_MAX / SUMS_MAX >= CONTROLLER_FULL, "a mean does not overflow");
 
 static bool is_forward[CONTROLLER_MOTORS];
 static int16_t wanted[CONTROLLER_MOTORS];       /* levels */
 static int32_t sum[CONTROLLER_MOTORS];          /* of those wanted in each millisecond since the newest command */
-static uint16_t sums;
+static uint8_t sums;
 static bool drives[CONTROLLER_MOTORS];          /* by the newest command, as far as anybody knows */
 
 void duty_on_millisecond(void)
 {
+    if (sums == SUMS_MAX)
+        return;
     for (uint8_t motor = 0; motor < CONTROLLER_MOTORS; motor++)
         sum[motor] += wanted[motor];
     sums++;

@@ -16,7 +16,7 @@ enum {
     STATUS = 90
 };
 static const uint8_t PROOFS[] = { DUTY, VERSION, SET_TIMEOUT, GET_TIMEOUT, SET_COUNTER_1, SET_COUNTER_2, COUNTERS };
-static const uint8_t OTHERS[] = { GET_TIMEOUT, BATTERY, STATUS };
+static const uint8_t OTHERS[] = { STATUS, GET_TIMEOUT, STATUS, BATTERY };
 
 static const uint32_t FASTEST = 655359;         /* acceleration: from full to none in 50 ms */
 static const uint32_t BEGINS = 1ul << 30;       /* counters: none counts from there after its power was off */
@@ -137,7 +137,7 @@ const struct protocol protocol = {
     .baud = 115200,
     .expects = "a RoboClaw with firmware 4, in packet serial at address 128 and 115200 baud",
     .cycle_ms = 5,
-    .other_ms = 25,
+    .other_ms = 15,
     .reply_ms = 12,
     .quiet_ms = 15,
     .lost_ms = 150,
