@@ -1,6 +1,8 @@
 """The boards' C compiled for this machine: as it is, and in the variants that tests ask for."""
 
 import contextlib
+import fcntl
+import shutil
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -124,3 +126,25 @@ def shared_library(library: Path, *sources: Path, includes: Sequence[Path] = ())
     options = ["-std=gnu11", "-O1", "-fPIC", "-shared", "-DPROTOCOL_HASH=0", *(f"-I{path}" for path in includes)]
     finished(["cc", *options, *sources, "-o", library], check=True)
     return library
+
+
+@cache
+def with_controller(name: str, constants: str) -> Path:
+    """Compile a board in front of a controller whose files are in the folder `name` here, in a copy of the firmware."""
+    build = BUILD / "variants" / name
+    source = build / "firmware"
+    build.mkdir(parents=True, exist_ok=True)
+    with (build / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        for folder in (FIRMWARE, HERE / name):
+            shutil.copytree(
+                folder, source, dirs_exist_ok=True, ignore=shutil.ignore_patterns("boards.h", "__pycache__")
+            )
+        header, text = source / "common" / "boards.h", (FIRMWARE / "common" / "boards.h").read_text()
+        wanted = text.replace("#endif", f"enum {{ {constants} }};\n#endif")
+        if not header.is_file() or header.read_text() != wanted:
+            header.write_text(wanted)
+        finished(
+            ["make", "--silent", "-C", str(source), f"BUILD={build}", "PYTHON=python3", f"host-{name}"], check=True
+        )
+    return build

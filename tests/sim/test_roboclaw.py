@@ -1,6 +1,7 @@
 """The contract of two wheels, with the process in front of a motor controller: judged by the controller's record."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final
 
 import msgspec
@@ -8,8 +9,9 @@ import pytest
 
 from giraff_schemas.boards import ROBOCLAW_BOARD, ROS_ARDUINO_BRIDGE_BOARD, BoardType
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Frame, WheelsFrame
-from giraff_sim.board import Implementation, open_board
+from giraff_sim.board import BUILD, Implementation, open_board
 from tests.firmware.bench import SpeedBench
+from tests.firmware.builds import with_controller
 from tests.support.robot_files import ROBOTS
 from tests.unit.base.drives.contract import AnyDrive
 
@@ -29,8 +31,8 @@ BENCHES: Final[list[SpeedBench]] = []
 class ProcessBoard:
     period_ns = 10_000_000
 
-    def __init__(self, type_: BoardType = ROBOCLAW_BOARD) -> None:
-        board = open_board(type_, Implementation.HOST)
+    def __init__(self, type_: BoardType = ROBOCLAW_BOARD, build: Path = BUILD) -> None:
+        board = open_board(type_, Implementation.HOST, build)
         self.bench = SpeedBench(board, FILE.settings.robot, STARTS_MS)
         BENCHES.append(self.bench)
 
@@ -101,6 +103,16 @@ class TestBySpeeds(AnyDrive):
 
 class TestByLevels(TestBySpeeds):
     config = msgspec.structs.replace(FILE.drive, wheel_control="level")
+
+
+TWIN: Final = ROBOCLAW_BOARD._replace(name="twin", number=99, output_delay_us=30_000)
+
+
+class TestTwin(TestBySpeeds):
+    """An invented controller, after its paper in tests/firmware/twin: what docs/adapter.md calls the next one."""
+
+    def board(self) -> ProcessBoard:
+        return ProcessBoard(TWIN, with_controller("twin", "TWIN_BOARD = 99, TWIN_STOPS_AFTER_MS = 200"))
 
 
 LACKS: Final = (
