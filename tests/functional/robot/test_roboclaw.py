@@ -3,6 +3,7 @@
 Base, guard and board are processes, and so is the RoboClaw, which judges: by its record of what its motors got.
 """
 
+import math
 import os
 import signal
 import subprocess
@@ -180,6 +181,7 @@ def test_no_power_after_what_breaks_and_none_before_the_script_arms_again(rig: R
         breaks()
         broken = time.monotonic()
         wait(lambda: rig.losses > losses, PATIENCE, what=f"{name}: the script is not told")  # noqa: B023
+        wait(lambda: [0, 0] in dict(duties(broken, math.inf)).values(), PATIENCE, what=f"{name}: power")  # noqa: B023
         mends()
         again = partial(rig.has_recovered, broken)
         wait(again, PATIENCE, what=lambda: f"{name}: it does not drive again{rig.last_words()}", every=0.1)  # noqa: B023
