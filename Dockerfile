@@ -69,6 +69,6 @@ COPY --from=boards /src/build/firmware /opt/giraff/boards
 # The simulator looks for them where they are in the repository.
 FROM run AS sim
 COPY --from=boards /src/build/host/*.so /opt/giraff/src/build/host/
-COPY --from=boards /src/build/firmware/roboclaw /opt/giraff/src/build/firmware/
+COPY --from=boards /src/build/firmware /opt/giraff/src/build/firmware
 COPY --from=boards /src/firmware/host/board_model.h /opt/giraff/src/firmware/host/
 COPY --from=boards /src/deploy /opt/giraff/src/deploy
