@@ -14,7 +14,7 @@ import pytest
 from giraff_schemas.boards import BaseBoardName
 from giraff_schemas.requests import EStopReset
 from giraff_sim.bodies.registry import judge_of, world_of
-from giraff_sim.bodies.wheels.body import WheelsBody
+from giraff_sim.bodies.wheels.body import RIGHT, WheelsBody
 from giraff_sim.bodies.wheels.pins import Rises
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.faults.robot import encoder
@@ -289,6 +289,16 @@ def test_a_turn_in_place_is_no_travel(drives: tuple[float, float], goes: list[st
     body.drives, body.plant.speed = drives, sum(drives) * 0.01
     judge = judge_of(body, SETTINGS.robot, SETTINGS.base, 0)
     assert [way for way in get_args(BoundedMotion) if judge.goes(way)] == goes
+
+
+def test_what_a_slipping_encoder_makes_of_a_turn_in_place_is_no_travel() -> None:
+    body = WheelsBody(SETTINGS.robot, BY_SPEED, SimConfig(), hall(), EXACT)
+    plant, judge = body.plant, judge_of(body, SETTINGS.robot, SETTINGS.base, 0)
+    plant.left.speed, plant.right.speed, body.drives = 0.12, -0.18, (15.0, -23.0)
+    plant.speed = -0.03
+    assert judge.goes("travel")
+    body.slip_encoder(RIGHT, 1.0 / 3.0)
+    assert not judge.goes("travel")
 
 
 def test_a_robot_without_encoders_has_none_cut() -> None:

@@ -48,7 +48,10 @@ class WheelsJudge:
         if way == "any":
             return True
         counts = sum(self._body.drives)
-        speed = self._body.plant.speed
+        plant = self._body.plant
+        # An encoder that slips makes its wheel turn faster, and a turn in place travel by what is not counted.
+        uncounted = (each.speed - each.counted_speed for each in (plant.left, plant.right))
+        speed = plant.speed - sum(uncounted) / 2.0
         # Where the board holds speeds, it gives unlike motors unlike power to turn in place.
         if self._drive.asks_for_speeds and not (abs(speed) > _CREEPING and counts * speed > 0.0):
             return False  # no power keeps the middle going: it turns, or what it had is slowed down

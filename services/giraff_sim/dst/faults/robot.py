@@ -145,7 +145,8 @@ def controller_fault(what: str) -> Begin:
         del chance
         simulation, (field, value) = run.loop.simulation, CONTROLLER_FAULTS[what]
         plant, model = simulation.world.plant, simulation.boards[BoardKind.BASE].model
-        if not simulation.world.body.board.is_process or not run.claims(CONTROLLER_FAULTS, plant):
+        board = simulation.world.body.board
+        if not board.is_process or not run.claims(CONTROLLER_FAULTS, plant):
             return
         volts = plant.open_volts
         if field:
@@ -153,7 +154,8 @@ def controller_fault(what: str) -> Begin:
         else:
             plant.open_volts = _DEAD_VOLTS
         # A process that hangs is reset by its watchdog, and may be armed anew.
-        with run.stops(what, ROBOT_US, "any", lambda: not field or getattr(model, field) == value):
+        bound_us = max(ROBOT_US, round(board.stops_after_s * 1e6))
+        with run.stops(what, bound_us, "any", lambda: not field or getattr(model, field) == value):
             yield what
         plant.open_volts = volts
         if field:
