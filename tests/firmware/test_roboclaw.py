@@ -230,6 +230,26 @@ def test_a_reply_with_any_one_bit_changed_is_none(board: RoboclawBench) -> None:
     assert {(each.left_ticks, each.right_ticks) for each in board.all(WheelsFrame)} == {(0, 0)}
 
 
+def test_what_an_adapter_has_held_up_ends_in_a_stop(board: RoboclawBench) -> None:
+    """A command that was on its way drives for as long as its ramp is ahead of the stop behind it."""
+    driven = []
+    for phase_ms in range(14):
+        board.begin(70, 70)
+        board.until(COUNTERS)
+        board.keep_driving(70, 70, phase_ms)
+        board.model.driver_line_held = 1
+        board.keep_driving(70, 70, 1000)
+        board.model.driver_line_held = 0
+        board.model.motor[0].drive_peak = board.model.motor[1].drive_peak = 0
+        driven.append(0)
+        for _ in range(60):
+            board.run(1)
+            driven[-1] += board.duties() != (0, 0)
+        assert max(motor.drive_peak for motor in board.model.motor) <= 15
+        board.run(PROVED_MS)
+    assert 0 < max(driven) <= 6, driven
+
+
 def test_its_emergency_input_latches_the_board(board: RoboclawBench) -> None:
     board.begin(40, 40)
     board.model.cord_pulled = 1

@@ -78,6 +78,7 @@ class Judge(Ledger):
         self._disarmed_us, self._disarmed_by = 0, "base has just started"
         self._armed_for = ""
         self._missed_us, self._missed = 0, ""  # when a sensor that the operator's wish relies on was missed last
+        self._excused_until_us = -1
         self._guard = ""
         self._newest: Passed | None = None
         self._operator_born_us = 0
@@ -125,6 +126,8 @@ class Judge(Ledger):
                 self._violated("f", refusal)
             return
         self.clearance_check.moved(now_us)
+        if now_us <= self._excused_until_us:
+            return
         if wrong := self._of_body.wrong(now_us):
             self._violated("g", wrong)
         if against:
@@ -139,6 +142,10 @@ class Judge(Ledger):
             self._violated("d", wrong)
         if self._engaged_us is not None and now_us - self._engaged_us > ROBOT_US + settles_us:
             self._violated("d", f"{acts} {(now_us - self._engaged_us) / 1e6:.3f} s after the emergency stop")
+
+    def excuse(self, for_us: int) -> None:
+        """Judge no power for so long."""
+        self._excused_until_us = self._agenda.now_us + for_us
 
     def pressed_reset(self, reset: EStopReset) -> None:
         """A human has asked for this just now."""
