@@ -230,6 +230,24 @@ def test_a_reply_with_any_one_bit_changed_is_none(board: RoboclawBench) -> None:
     assert {(each.left_ticks, each.right_ticks) for each in board.all(WheelsFrame)} == {(0, 0)}
 
 
+def test_a_controller_whose_power_fails_for_a_millisecond_obeys_one_command_at_most(board: RoboclawBench) -> None:
+    """It has no time-out then."""
+    for phase_ms in range(16):
+        board.begin(70, 70)
+        board.until(COUNTERS)
+        board.keep_driving(70, 70, phase_ms)
+        board.model.driver_volts = 0.0
+        board.run(1)
+        board.model.driver_volts = 24.0
+        before, driven_ms = board.model.resets, 0
+        for millisecond in range(PROVED_MS):
+            board.keep_driving(70, 70, 1)
+            driven_ms += board.duties() != (0, 0)
+            assert board.model.resets > before or millisecond < REPLY_MS + QUIET_MS + LINE_MS
+        assert driven_ms <= 12
+        board.run(PROVED_MS)
+
+
 def test_what_an_adapter_has_held_up_ends_in_a_stop(board: RoboclawBench) -> None:
     """A command that was on its way drives for as long as its ramp is ahead of the stop behind it."""
     driven = []
