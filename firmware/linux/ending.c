@@ -1,5 +1,6 @@
 /* The end of the process, or of the board that it is; and what it says on the way. */
 #define _GNU_SOURCE
+#include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -65,8 +66,9 @@ static void put(const char *beginning, const char *text)
     struct iovec all[4];
     for (int i = 0; i < 4; i++)
         all[i] = (struct iovec){ .iov_base = (void *)(uintptr_t)parts[i], .iov_len = strlen(parts[i]) };
-    if (writev(STDERR_FILENO, all, 4) < 0)
-        return;                 /* nobody listens */
+    struct pollfd out = { .fd = STDERR_FILENO, .events = POLLOUT };
+    if (poll(&out, 1, 0) == 1 && writev(STDERR_FILENO, all, 4) < 0)
+        return;                 /* nobody listens, and nothing waits for who does not read */
 }
 
 bool linux_say(const char *format, ...)

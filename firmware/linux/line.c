@@ -16,6 +16,7 @@
 #include "system.h"
 
 static int line = -1;
+static volatile bool is_over;           /* its last bytes were a stop */
 static const struct protocol *spoken;
 
 /* Only for what does not come by itself: an adapter that is not plugged in does. */
@@ -58,7 +59,7 @@ static void set_line(void)
     tcgetattr(line, &raw);
     cfmakeraw(&raw);
     raw.c_cflag |= CLOCAL;
-    raw.c_cflag &= ~(tcflag_t)(HUPCL | CRTSCTS);
+    raw.c_cflag &= ~(tcflag_t)(HUPCL | CRTSCTS | CSTOPB);
     cfsetspeed(&raw, spoken->baud);
     tcsetattr(line, TCSANOW, &raw);
     if (!ioctl(line, TIOCGSERIAL, &adapter)) {          /* some would hold each reply up for 16 ms */
@@ -88,6 +89,7 @@ int line_descriptor(void)
 
 void line_stop(void)
 {
+    is_over = true;
     if (line >= 0 && write(line, spoken->stop, spoken->stop_bytes) < 0)
         return;                 /* then only the controller's own time-out stops it */
 }
@@ -101,6 +103,8 @@ static void judge(ssize_t done)
 
 void system_line_write(const uint8_t *bytes, uint8_t n)
 {
+    if (is_over)
+        return;                 /* another thread ends the process */
     judge(write(line, bytes, n));       /* one that is cut short stays without an answer */
 }
 

@@ -1,5 +1,6 @@
 /* A board's program as a process: in front of a motor controller, with a port that a host opens as any board's. */
 #define _GNU_SOURCE
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -95,14 +96,20 @@ static void rest(void)
 
 int main(int n, char **words)
 {
+    /* What is opened later must not get the number of an output that is closed. */
+    for (int opened = 0; opened >= 0 && opened <= STDERR_FILENO;)
+        if ((opened = open("/dev/null", O_RDWR | O_CLOEXEC)) > STDERR_FILENO)
+            close(opened);
     take_words(n, words);
     linux_begin(words, let_go);
     prctl(PR_SET_NAME, BOARD);  /* exec of a link would leave the link's */
     prctl(PR_SET_TIMERSLACK, (unsigned long)SLACK_NS);
-    signal(SIGTERM, on_end);
-    signal(SIGINT, on_end);
-    eeprom_open(values[EEPROM]);
+    static const int ENDS[] = { SIGTERM, SIGINT, SIGHUP, SIGQUIT };
+    for (size_t i = 0; i < sizeof ENDS / sizeof *ENDS; i++)
+        signal(ENDS[i], on_end);
+    signal(SIGPIPE, SIG_IGN);
     port_choose(values[PORT]);
+    eeprom_open(values[EEPROM]);
     line_open(values[LINE], &protocol);
     process_start(&protocol);
     for (;;) {

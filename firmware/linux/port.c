@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
@@ -33,9 +34,15 @@ void port_choose(const char *link_path)
     if (stat(folder_path, &folder) || access(folder_path, W_OK | X_OK))
         linux_fail("no link can be made in %s (%s): make that folder, or name another one", folder_path, strerror(errno));
     snprintf(fresh, sizeof fresh, "%s.new", link_path);
-    ssize_t n = readlink(link_path, text, sizeof text);
+    memset(text, 0, sizeof text);
+    ssize_t n = readlink(link_path, text, sizeof text - 1);
     if (n < 0 ? errno != ENOENT : strncmp(text, TERMINALS, sizeof TERMINALS - 1) != 0)
         linux_fail("%s is there, and is no board's port: name another path", link_path);
+    char lock_path[PATH_MAX + sizeof ".lock"];
+    snprintf(lock_path, sizeof lock_path, "%s.lock", link_path);
+    int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);     /* held as long as the process is there */
+    if (lock < 0 || flock(lock, LOCK_EX | LOCK_NB))
+        linux_fail("%s is the port of another board, or cannot be: end that, or name another path", link_path);
     path = link_path;
     port_remove();
 }

@@ -29,6 +29,7 @@ WORDS: Final = {"--line": "tty", "--port": "port", "--eeprom": "eeprom"}
         ),
         ({"--eeprom": "other"}, 1, "other is some other file, since it is longer than 8 bytes: name another one"),
         ({"--port": "other"}, 1, "other is there, and is no board's port: name another path"),
+        ({"--port": "taken"}, 1, "taken is the port of another board, or cannot be: end that, or name another path"),
         ({}, 1, "tty is in use by another program: end it"),
     ],
 )
@@ -38,6 +39,8 @@ def test_a_mistake_is_named_with_its_remedy(
     program = BUILD / "firmware" / "roboclaw"
     (tmp_path / "other").write_text("somebody's file")
     (tmp_path / "eeprom").write_bytes(b"\xff" * 8)
+    taken = os.open(tmp_path / "taken.lock", os.O_CREAT | os.O_RDWR)
+    fcntl.flock(taken, fcntl.LOCK_EX)
     master, line = os.openpty()
     fcntl.flock(line, fcntl.LOCK_EX)
     (tmp_path / "tty").symlink_to(os.ttyname(line))
@@ -46,6 +49,7 @@ def test_a_mistake_is_named_with_its_remedy(
     os.set_blocking(master, False)
     with pytest.raises(BlockingIOError):
         os.read(master, 1)  # nothing was sent
+    os.close(taken)
     os.close(line)
     os.close(master)
     assert (done.returncode, done.stdout) == (code, "")

@@ -16,7 +16,7 @@ Row = dict[str, Any]
 
 
 class Terminal:
-    """The controller, its motors and what happens to it, as firmware/host/roboclaw_terminal.c lists it."""
+    """The controller, its motors and what happens to it, as firmware/host/controller_terminal.c lists it."""
 
     def __init__(self, directory: Path) -> None:
         self.link = directory / "tty"

@@ -78,7 +78,8 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         self._limit = SpeedLimit()
         if config.asks_for_speeds and not config.battery_volts_per_count:
             self._limit = SpeedLimit(robot.max_wheel_speed / _BLIND_OVER, BLIND)
-        if (drives_on := self._board.stops_after_s) and _SILENT_WAY / drives_on < self._limit.speed:
+        slowest = min(self._limit.speed, robot.max_wheel_speed)
+        if (drives_on := self._board.stops_after_s) and _SILENT_WAY / drives_on < slowest:
             self._limit = SpeedLimit(_SILENT_WAY / drives_on, silent(_SILENT_WAY / drives_on, drives_on))
 
     @property

@@ -157,16 +157,26 @@ def test_a_controller_that_holds_speeds_wants_its_own_levels(fields: dict[str, s
 
 
 @pytest.mark.parametrize(
-    ("board", "limit"), [("ros_arduino_bridge", 0.125), ("roboclaw", 1.25), ("mega_l298n", math.inf)]
+    ("board", "speed", "limit"),
+    [
+        ("ros_arduino_bridge", 0.6, 0.125),
+        ("ros_arduino_bridge", 0.12, math.inf),
+        ("roboclaw", 2.0, 1.25),
+        ("roboclaw", 0.6, math.inf),
+        ("mega_l298n", 2.0, math.inf),
+    ],
 )
 def test_no_robot_drives_on_further_than_a_guards_margin_when_its_controller_hears_nobody(
-    board: str, limit: float
+    board: str, speed: float, limit: float
 ) -> None:
+    """A robot that is as slow as that by its file is not told of it."""
     file = ROBOTS[board]
-    told = WheelsDrive(file.settings.robot, file.drive, 1.2).limit
+    robot = msgspec.structs.replace(file.settings.robot, max_wheel_speed=speed)
+    level = round(speed * robot.ticks_per_metre / 30.0) if board == "ros_arduino_bridge" else file.drive.max_level
+    told = WheelsDrive(robot, msgspec.structs.replace(file.drive, max_level=level), 1.2).limit
     assert told.speed == limit
     assert (told.reason == NO_TROUBLE) == math.isinf(limit)
-    if board == "ros_arduino_bridge":
+    if limit == 0.125:
         assert told.reason.what == (
             "the wheels turn at 0.125 m/s at most, because their controller drives on for 2 s when it hears nobody"
         )
