@@ -18,11 +18,6 @@ WORDS: Final = {"--line": "tty", "--port": "port", "--eeprom": "eeprom"}
     [
         ({"--baud": "9600"}, 2, "--baud is none of its options\nusage: roboclaw --line TTY --port LINK --eeprom FILE"),
         (
-            {"--eeprom": None},
-            2,
-            "--eeprom is missing: it names the file that keeps an emergency stop, such as /var/lib/",
-        ),
-        (
             {"--eeprom": "/dev/full"},
             1,
             "/dev/full cannot be written (No space left on device). It keeps an emergency stop",
@@ -33,9 +28,7 @@ WORDS: Final = {"--line": "tty", "--port": "port", "--eeprom": "eeprom"}
         ({}, 1, "tty is in use by another program: end it"),
     ],
 )
-def test_a_mistake_is_named_with_its_remedy(
-    tmp_path: Path, changes: dict[str, str | None], code: int, complaint: str
-) -> None:
+def test_a_mistake_is_named_with_its_remedy(tmp_path: Path, changes: dict[str, str], code: int, complaint: str) -> None:
     program = BUILD / "firmware" / "roboclaw"
     (tmp_path / "other").write_text("somebody's file")
     (tmp_path / "eeprom").write_bytes(b"\xff" * 8)
@@ -44,7 +37,7 @@ def test_a_mistake_is_named_with_its_remedy(
     master, line = os.openpty()
     fcntl.flock(line, fcntl.LOCK_EX)
     (tmp_path / "tty").symlink_to(os.ttyname(line))
-    words = [word for name, value in (WORDS | changes).items() if value is not None for word in (name, value)]
+    words = [word for name, value in (WORDS | changes).items() for word in (name, value)]
     done = finished([program, *words], cwd=tmp_path)
     os.set_blocking(master, False)
     with pytest.raises(BlockingIOError):
