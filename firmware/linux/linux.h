@@ -2,14 +2,13 @@
  * ask for. */
 #ifndef GIRAFF_LINUX_H
 #define GIRAFF_LINUX_H
-#include <stdbool.h>
 #include <stdint.h>
 
 /* As the first. let_go stops the motors and takes the port away, whenever the process ends or begins anew. */
 void linux_begin(char **words, void (*let_go)(void));
 
-/* On stderr, after the board's name. false: the same was said not long ago. */
-bool linux_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* On stderr, after the board's name. */
+void linux_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* Only a person can mend it. The motors are stopped, and the process ends. */
 _Noreturn void linux_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* As the reset of a board: the motors are stopped, and the program begins anew. For handlers of signals, too. */

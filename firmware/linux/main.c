@@ -81,9 +81,10 @@ static void tell_news(void)
     if (is != newest)
         since_ns = system_ns();
     newest = is;
-    if (is != said && system_ns() - since_ns >= patience_ns &&
-        linux_say(TEXTS[is], values[LINE], is == PROVED ? values[PORT] : protocol.expects))
-        said = is;
+    if (is == said || system_ns() - since_ns < patience_ns)
+        return;
+    linux_say(TEXTS[is], values[LINE], is == PROVED ? values[PORT] : protocol.expects);
+    said = is;
 }
 
 static void rest(void)

@@ -51,7 +51,7 @@ ROWS: Final = {
 
 
 def driven_until(row: Row, seed: int) -> tuple[float, Outcome]:
-    """How long after its fault, s, a motor of a drawn robot gets something for the last time."""
+    """Return the time from its fault, s, until a motor of a drawn robot gets something for the last time."""
     before: list[MotorWindow] = []
     after: list[MotorWindow] = []
     watched = row.lasts + WATCHED

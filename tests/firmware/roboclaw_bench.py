@@ -8,7 +8,7 @@ from tests.firmware.bench import BaseBench
 from tests.firmware.builds import open_board, with_fault
 
 COMMAND, COUNTERS, STATUS, SET_TIMEOUT, GET_TIMEOUT, VERSION, BATTERY = 54, 78, 90, 14, 15, 21, 24
-"""Of the RoboClaw."""
+"""The commands of a RoboClaw."""
 FULL: Final = 32767
 PROVED_MS: Final = 100
 """Within which the controller has proved itself and the board has reported."""

@@ -79,7 +79,7 @@ class Plan:
     """The simulator's word for who holds the joystick."""
     boards: Boards
     why_boards: str
-    """Why not the better ones, or not all of them; empty when they are, or when they were asked for."""
+    """Reason for boards that are not the better ones, or not all of them. Empty where they are, or were asked for."""
     services: tuple[str, ...]
     """Names of those that run: of every run, and then of the options that were given."""
     camera: str

@@ -95,9 +95,9 @@ class WheelsConfig(WheelWiring, frozen=True, kw_only=True, forbid_unknown_fields
     """V. The board needs none: this robot stands on a flat battery, too."""
 
     board: BaseBoardName = "base"
-    """What drives the motors and counts the edges: an ATmega644 with two H bridges; an Arduino Mega with servo pulses
-    (`ardros`), an L298N or TB6612FNG (`mega_l298n`), or two BTS7960 (`mega_bts7960`); or a motor controller with a
-    process before it on the robot's computer (`roboclaw`, `ros_arduino_bridge`)."""
+    """Board that drives the motors and counts the edges: an ATmega644 with two H bridges (`base`); an Arduino Mega with
+    servo pulses (`ardros`), an L298N or TB6612FNG (`mega_l298n`), or two BTS7960 (`mega_bts7960`); or a motor
+    controller with a process before it on the robot's computer (`roboclaw`, `ros_arduino_bridge`)."""
     max_level: Annotated[int, Bounds(1, 255)]
     """Largest PWM level asked of a motor, of 255: the one that stands for `max_wheel_speed`."""
     battery_volts_per_count: Annotated[float, Bounds(0.0, 0.5, "V")] = 0.0
