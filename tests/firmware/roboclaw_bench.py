@@ -24,7 +24,7 @@ MANY: Final = 255
 
 
 class Request(NamedTuple):
-    """What the controller has been asked, and what each motor is to get then."""
+    """One request to the controller, and the duty that each motor gets after it."""
 
     at_ms: int
     command: int
@@ -84,7 +84,7 @@ class RoboclawBench(BaseBench):
             self.run(1)
 
     def reset_after_ms(self, within_ms: int) -> int:
-        """How long from now the board is reset, while the host drives on."""
+        """Drive on until the board is reset; return the ms that this took."""
         before, began = self.model.resets, self.now_ms
         while self.model.resets == before:
             assert self.now_ms - began < within_ms, "it is not reset"
@@ -92,7 +92,7 @@ class RoboclawBench(BaseBench):
         return self.now_ms - began
 
     def cause(self) -> ResetCause:
-        """Why it was reset last, as it says once it is there again and asked."""
+        """Ask the board, once it is there again, for the cause of its last reset."""
         self.run(PROVED_MS)
         self.send(HelloRequestFrame(seq=1))
         self.run(PROVED_MS)

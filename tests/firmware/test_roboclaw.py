@@ -37,7 +37,7 @@ REPLY_MS, QUIET_MS = 12, 15
 OFF_MS: Final = 50
 """From full to none."""
 TIMEOUT_MS: Final = 200
-"""Of the controller, where no stop comes through."""
+"""ms; the controller stops by itself after them, where no stop comes through."""
 SHORT_PRESS_MS: Final = 40
 LINE_MS: Final = 10
 """Within which a frame of the host has come, and the controller has a command of it."""
