@@ -8,7 +8,7 @@ import numpy as np
 
 from giraff_schemas.scan import RAYS
 from giraff_setup.condition import is_determined
-from giraff_setup.scan.match import Cloud, Field, Floats, cloud_of, match, points_of, rotated
+from giraff_maps.scan.match import Cloud, Field, Floats, cloud_of, match, points_of, rotated
 from giraff_setup.ultrasonic.fit import UntoldError
 
 _STEP: Final = math.tau / RAYS

@@ -22,7 +22,7 @@ from giraff_setup.scan.fit import (
     own_parts,
     turns_with_wheels,
 )
-from giraff_setup.scan.match import Floats, points_of, rotated
+from giraff_maps.scan.match import Floats, points_of, rotated
 from giraff_setup.ultrasonic.calibrate import HeldRest
 from giraff_setup.ultrasonic.fit import UntoldError
 from giraff_setup.ultrasonic.procedure import StoppedError, ask_number, has_moved

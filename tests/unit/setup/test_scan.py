@@ -18,7 +18,7 @@ from giraff_schemas.topics import SCAN
 from giraff_schemas.trouble import Trouble
 from giraff_setup.scan.calibrate import guide
 from giraff_setup.scan.fit import Mount
-from giraff_setup.scan.match import Field, cloud_of, match
+from giraff_maps.scan.match import Field, cloud_of, match
 from giraff_setup.scan.procedure import Surveyed, check, survey
 from giraff_setup.scan.stand import ScanStand
 from giraff_sim.board import ROOT

@@ -11,7 +11,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-_CELL: Final = 0.04  # m, of a field
+CELL: Final = 0.04
+"""m, of a field."""
 _REACH: Final = 0.32  # m up to which a field knows the nearest wall point
 _APART: Final = 0.03  # m between two points that a field keeps
 _HALF_SPAN: Final = 0.12  # m to either side, over which a wall's direction is taken
@@ -43,6 +44,13 @@ class Matched(NamedTuple):
     pose: Floats
     share: float
     """Share of the points on flat walls that lie on the field's walls."""
+    information: Floats
+    """Inverse covariance of the pose (3 x 3; m, m, rad) by the walls alone, without the guess."""
+
+    @property
+    def slide(self) -> float:
+        """m, standard deviation along the direction that the walls fix least: large in a smooth corridor."""
+        return 1.0 / math.sqrt(max(1e-9, float(np.linalg.eigvalsh(self.information[:2, :2])[0])))
 
 
 def rotated(angle: float, points: Any) -> Floats:
@@ -94,14 +102,14 @@ class Field:
         points, normals = (np.concatenate(each) for each in zip(*clouds, strict=True))
         flat = (normals != 0.0).any(axis=1)
         points, normals = points[flat], normals[flat]
-        faces = np.floor(np.arctan2(normals[:, 1], normals[:, 0]) / (math.pi / 2.0))
-        _, kept = np.unique(np.column_stack([np.floor(points / _APART), faces]), axis=0, return_index=True)
+        faces = np.floor(np.arctan2(normals[:, 1], normals[:, 0]) / (math.pi / 2.0)).astype(np.int64)
+        _, kept = np.unique(np.floor(points / _APART).astype(np.int64) @ (4_000_037, 4) + faces, return_index=True)
         self._points, self._normals = points[kept], normals[kept]
         self._low = self._points.min(axis=0, initial=0.0) - 2.0 * _REACH
-        self._shape = np.ceil((self._points.max(axis=0, initial=0.0) + 2.0 * _REACH - self._low) / _CELL).astype(int)
+        self._shape = np.ceil((self._points.max(axis=0, initial=0.0) + 2.0 * _REACH - self._low) / CELL).astype(int)
         self._nearest = np.full(int(self._shape.prod()), -1, dtype=np.int32)
-        at, numbers = self._cells(self._points), np.arange(len(self._points), dtype=np.int32)
-        reach = np.arange(-round(_REACH / _CELL), round(_REACH / _CELL) + 1)
+        at, numbers = self._flat(self._points), np.arange(len(self._points), dtype=np.int32)
+        reach = np.arange(-round(_REACH / CELL), round(_REACH / CELL) + 1)
         around = np.stack(np.meshgrid(reach, reach), axis=-1).reshape(-1, 2)
         far = (around**2).sum(axis=1)
         for across, along in around[np.argsort(-far, kind="stable")]:  # the nearest one is painted last
@@ -109,20 +117,37 @@ class Field:
 
     def nearest(self, points: Floats) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
         """Return the nearest wall point of each, its normal, and whether there is one."""
-        inside = ((points >= self._low) & (points < self._low + (self._shape - 1) * _CELL)).all(axis=1)
+        inside = ((points >= self._low) & (points < self._low + (self._shape - 1) * CELL)).all(axis=1)
         found = np.full(len(points), -1)
-        found[inside] = self._nearest[self._cells(points[inside])]
+        found[inside] = self._nearest[self._flat(points[inside])]
         return self._points[found], self._normals[found], found >= 0
 
-    def _cells(self, points: Floats) -> Any:
-        at = np.floor((points - self._low) / _CELL).astype(int)
-        return at[:, 0] * self._shape[1] + at[:, 1]
+    def cells(self, points: Floats) -> npt.NDArray[np.int64]:
+        """Return column and row of the cell of each point: shape (n, 2)."""
+        found: npt.NDArray[np.int64] = np.floor((points - self._low) / CELL).astype(np.int64)
+        return found
+
+    def likelihood(self, sigma: float, rim: int = 0) -> npt.NDArray[np.float32]:
+        """Return by column and row 1 on a wall, falling with the distance, of standard deviation `sigma` m.
+
+        `rim`: cells round about where it is 0, at each side twice as many.
+        """
+        found = np.zeros(len(self._nearest), np.float32)
+        near = np.flatnonzero(self._nearest >= 0)
+        middles = (np.stack(np.divmod(near, self._shape[1]), axis=1) + 0.5) * CELL + self._low
+        squared = ((middles - self._points[self._nearest[near]]) ** 2).sum(axis=1)
+        found[near] = np.exp(-squared / (2.0 * sigma**2))
+        return np.pad(found.reshape(self._shape), 2 * rim)
+
+    def _flat(self, points: Floats) -> Any:
+        column, row = self.cells(points).T
+        return column * self._shape[1] + row
 
 
 def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Matched:
     """Return the scanner's pose in the field. `spread`: standard deviations (m, m, rad) of `guess`."""
     pose, prior, gate = np.array(guess, dtype=float), 1.0 / np.square(spread), 0.3
-    off = np.full(len(cloud.points), math.inf)
+    off, walls = np.full(len(cloud.points), math.inf), np.zeros((3, 3))
     for number in range(_ROUNDS):
         points, own = cloud.placed(pose)
         at, normals, known = field.nearest(points)
@@ -133,11 +158,12 @@ def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Ma
         slope = np.column_stack([normal, normal[:, 1] * arm[:, 0] - normal[:, 0] * arm[:, 1]])
         weight = _DEPENDENT / (_SIGMA**2 + (error / 2.0) ** 2)
         weighed = (slope * weight[:, None]).T
+        walls = weighed @ slope
         moved = pose - guess
         moved[2] = math.remainder(moved[2], math.tau)
-        step = np.linalg.solve(weighed @ slope + np.diag(prior), -weighed @ error - prior * moved)
+        step = np.linalg.solve(walls + np.diag(prior), -weighed @ error - prior * moved)
         pose, gate = pose + step, max(0.1, gate * 0.75)
         if number > 3 and np.abs(step).max() < 2e-4:
             break
     flat, met = (cloud.normals != 0.0).any(axis=1).sum(), (np.abs(off) < _ON_WALL).sum()
-    return Matched(pose, float(met) / max(1.0, float(flat)))
+    return Matched(pose, float(met) / max(1.0, float(flat)), walls)
