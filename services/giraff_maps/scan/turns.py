@@ -72,8 +72,9 @@ def _corrected(scan: LaserScan, moved: Pose, share: float, mount: Pose, reach: f
     rays = np.array(scan.rays(), dtype=int)
     seen = (rays >= NEAREST) & (rays < OWN) & (rays <= reach * 1000.0)
     part = np.arange(RAYS)[seen] / RAYS * share
-    angles = scan.bearing + scan.step * np.arange(RAYS)[seen]
-    points = points_of(angles, rays[seen].astype(float) / 1000.0) + mount[:2]
+    angles: Floats = scan.bearing + scan.step * np.arange(RAYS)[seen]
+    ranges: Floats = rays[seen] / 1000.0
+    points = points_of(angles, ranges) + mount[:2]
     cos, sin = np.cos(part * moved.yaw), np.sin(part * moved.yaw)
     x, y = points.T
     points = np.stack([cos * x - sin * y + part * moved.x, sin * x + cos * y + part * moved.y], axis=1)

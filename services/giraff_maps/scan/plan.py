@@ -1,0 +1,129 @@
+"""A floor plan of what a mapper has kept, and how far to believe it: figures that need no truth."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+import msgspec
+import numpy as np
+
+from giraff_core.kinematics.pose import Pose
+from giraff_maps.floor_plan import Wall
+from giraff_maps.scan.graph import Edge
+from giraff_maps.scan.mapper import KeyTurn, Mapper
+from giraff_maps.scan.occupancy import Looks, OccupancyGrid
+from giraff_maps.scan.walls import WallFinder, doubled, faces_of
+from giraff_schemas.trouble import Trouble
+
+_SLIDES: Final = 0.010  # m
+_GAPES: Final = 0.015  # m
+_DOUBLED: Final = 0.008
+"""Limits of a good plan, as of `Figures`. They come from drives through four furnished homes, good ones and bad."""
+
+
+class Figures(msgspec.Struct, frozen=True, kw_only=True):
+    """How a plan was made."""
+
+    way: float
+    """m driven."""
+    key_turns: int
+    loops: int
+    """Places that the robot came back to, and knew again."""
+    loop_gap: float
+    """m by which the worst of them does not fit the plan."""
+    slide: float
+    """m by which walls let the robot slide in the worst twentieth of the key turns, as a standard deviation."""
+    doubles: float
+    """Share of the wall cells behind which the same wall stands again, 0..1."""
+    left_out: int
+    """Turns of the scanner that fitted nowhere."""
+    missing: tuple[Trouble, ...]
+    """Causes for which the plan is not good. Empty: it is."""
+
+
+class MadePlan(NamedTuple):
+    """A floor plan whose axes lie along the walls."""
+
+    grid: OccupancyGrid
+    walls: tuple[Wall, ...]
+    """Straight walls, the longest first."""
+    start: Pose
+    """Place of the mapper's own frame in the plan: there the robot began."""
+    figures: Figures
+
+
+def make_plan(mapper: Mapper, mount: Pose) -> Iterator[MadePlan | float]:
+    """Yield the share that is done (0..1) after each part of some hundredths of a second, and the plan at last.
+
+    `mount`: of the scanner. The mapper has a key turn at least; what it takes meanwhile is not in the plan.
+    """
+    start = Pose(0.0, 0.0, -_direction(mapper.keys))
+    keys = [key._replace(pose=key.pose.placed_in(start)) for key in mapper.keys]
+    edges = tuple(mapper.edges)
+    looks = Looks(keys, mount)
+    for number, key in enumerate(keys):
+        looks.look(key)
+        yield number / len(keys) / 2.0
+    grid = looks.grid()
+    faces = faces_of(keys, grid)
+    finder = WallFinder(faces)
+    while finder.find():
+        yield (1.0 + finder.done) / 2.0
+    figures = _figures(keys, edges, doubled(faces, grid), mapper.left_out)
+    yield MadePlan(grid, tuple(finder.walls), start, figures)
+
+
+def _direction(keys: Sequence[KeyTurn]) -> float:
+    """Return the direction of most walls, rad, at most 45 degrees to either side."""
+    fourth = 0.0 + 0.0j
+    for key in keys:
+        normals = key.turn.cloud.normals[(key.turn.cloud.normals != 0.0).any(axis=1)]
+        fourth += np.exp(4j * (np.arctan2(normals[:, 1], normals[:, 0]) + key.pose.yaw)).sum()
+    return float(np.angle(fourth)) / 4.0
+
+
+def _figures(keys: Sequence[KeyTurn], edges: Sequence[Edge], doubles: float, left_out: int) -> Figures:
+    gaps = [
+        math.dist(keys[edge.end].pose.seen_from(keys[edge.begin].pose)[:2], edge.seen[:2])
+        for edge in edges
+        if edge.is_loop
+    ]
+    figures = Figures(
+        way=keys[-1].way,
+        key_turns=len(keys),
+        loops=len(gaps),
+        loop_gap=max(gaps, default=0.0),
+        slide=float(np.quantile([key.slide for key in keys], 0.95)),
+        doubles=doubles,
+        left_out=left_out,
+        missing=(),
+    )
+    return msgspec.structs.replace(figures, missing=tuple(_missing(figures)))
+
+
+def _missing(figures: Figures) -> Iterator[Trouble]:
+    if not figures.loops:
+        yield Trouble(
+            "no place was seen a second time, so that nothing shows how far the plan is bent",
+            "drive on, and come back to where you were another way round or from another side",
+        )
+    if figures.slide > _SLIDES:
+        yield Trouble(
+            f"walls let the robot slide by {figures.slide * 1000.0:.0f} mm, as in a smooth corridor",
+            "open its doors, or set a box or two at its walls while you drive",
+        )
+    if figures.loop_gap > _GAPES:
+        yield Trouble(
+            f"a place that was seen again does not fit by {figures.loop_gap * 100.0:.1f} cm",
+            "drive more slowly, once more round, and let nobody walk beside the robot",
+        )
+    if figures.doubles > _DOUBLED:
+        yield Trouble(
+            f"{figures.doubles:.1%} of the walls are drawn twice",
+            "drive more slowly, once more round, and let nobody walk beside the robot",
+        )
+    if figures.left_out:
+        yield Trouble(
+            f"{figures.left_out} turns of the scanner fitted nowhere",
+            "begin anew, and neither lift nor push the robot on the way",
+        )
