@@ -17,6 +17,7 @@ from giraff_maps.scan.match import Floats, rotated
 _EVERY: Final = 4  # key turns from node to node
 _MOST_NODES: Final = 400
 _ROUNDS: Final = 6
+_SETTLED: Final = 5e-4  # m or rad of a round, after which none follows
 _DOUBTED: Final = 25.0  # squared deviations from which on a loop weighs less
 
 
@@ -107,7 +108,7 @@ def _solved(poses: Floats, edges: Sequence[Edge]) -> list[Pose]:
         flat = system.transpose(0, 2, 1, 3).reshape(3 * count, 3 * count)
         step = np.linalg.solve(flat[3:, 3:], -slope.reshape(-1)[3:]).reshape(-1, 3)
         poses[1:] += step
-        if np.abs(step).max() < 1e-4:
+        if np.abs(step).max() < _SETTLED:
             break
     return [Pose(*map(float, pose)) for pose in poses]
 

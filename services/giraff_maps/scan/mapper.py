@@ -20,8 +20,8 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _STEP, _TURN = 0.2, 0.17  # m, rad from one key turn to the next
 _RECENT: Final = 14  # key turns that the next one is matched to
-_GOOD: Final = 0.45  # share of the points on walls below which a pose is searched for about the guess
-_LOST: Final = 0.35  # the same, below which the turn fits nowhere
+_GOOD: Final = 0.65  # share of the points on walls below which a pose is searched for about the guess
+_LOST: Final = 0.5  # the same, below which the turn fits nowhere
 _ABOUT: Final = (0.4, 0.3)  # m, rad of that search
 _FOUND: Final = (0.1, 0.1, 0.05)  # m, m, rad: standard deviations of what a search finds
 _LEAPT: Final = (0.3, 0.3, 0.2)  # m, m, rad: where the robot may be after odometry began anew
@@ -31,10 +31,11 @@ _LOOP_AFTER: Final = 4.0  # m of way
 _LOOP_ABOUT: Final = (1.0, 0.26)  # m, rad
 _LOOP_SPREAD: Final = (0.3, 0.3, 0.2)  # m, m, rad
 _LOOP_TURNS: Final = 10  # key turns to each side of the place that is come back to
-_LOOP_SHARE: Final = 0.6  # of the points, that lie on the walls seen before
+_LOOP_SHARE: Final = 0.7  # of the points, that lie on the walls seen before
 _LOOP_SLIDE: Final = 0.02  # m
 _LOOP_LEAD: Final = 0.08  # share by which it must explain more than any other place there
 _LOOP_INFORMATION: Final = np.diag([1.0 / 0.02**2, 1.0 / 0.02**2, 1.0 / 0.006**2])
+_AGREES: Final = (0.005, 0.003)  # m, rad: a loop that is off by less moves nothing
 _FIXED, _FITS = 0.012, 0.5  # m, share: walls fix the robot so well that odometry's scales are learnt
 _ORIGIN: Final = Pose(0.0, 0.0, 0.0)
 _FITS_NOWHERE: Final = Trouble(
@@ -166,7 +167,10 @@ class Mapper:
         if best.share < _LOOP_SHARE or best.slide > _LOOP_SLIDE or rival > best.share - _LOOP_LEAD:
             return
         seen = _pose(best).seen_from(self.keys[nearest].pose)
+        off = here.seen_from(_pose(best))
         self.edges.append(Edge(nearest, now, seen, _LOOP_INFORMATION, is_loop=True))
+        if math.hypot(off.x, off.y) < _AGREES[0] and abs(off.yaw) < _AGREES[1]:
+            return
         poses = optimised([key.pose for key in self.keys], self.edges)
         self.keys = [key._replace(pose=pose) for key, pose in zip(self.keys, poses, strict=True)]
         self.here = self._from = poses[-1]

@@ -72,7 +72,7 @@ def _corrected(scan: LaserScan, moved: Pose, share: float, mount: Pose, reach: f
     rays = np.array(scan.rays(), dtype=int)
     seen = (rays >= NEAREST) & (rays < OWN) & (rays <= reach * 1000.0)
     part = np.arange(RAYS)[seen] / RAYS * share
-    angles: Floats = scan.bearing + scan.step * np.arange(RAYS)[seen]
+    angles: Floats = scan.bearing + scan.step * np.arange(RAYS, dtype=float)[seen]
     ranges: Floats = rays[seen] / 1000.0
     points = points_of(angles, ranges) + mount[:2]
     cos, sin = np.cos(part * moved.yaw), np.sin(part * moved.yaw)
