@@ -56,6 +56,8 @@ class KeyTurn(NamedTuple):
     """Share of its points on the walls that the ones before saw."""
     slide: float
     """m, as of `Matched.slide`."""
+    is_cut: bool
+    """Odometry does not tell the motion since the key turn before."""
 
 
 class Mapper:
@@ -67,8 +69,10 @@ class Mapper:
         """`base_link` in the map, as of the newest turn. None: there was none."""
         self.trouble: Trouble = NO_TROUBLE
         """Cause, where the newest turn fits nowhere."""
-        self.left_out = 0
-        """Turns that fitted nowhere."""
+        self.lost = 0.0
+        """m of the longest way on which no turn fitted."""
+        self._lost = 0.0
+        """m of that way since the newest key turn."""
         self.edges: list[Edge] = []
         self.scale, self.turn_scale = 1.0, 1.0
         """m and rad, by the walls, for each of odometry."""
@@ -85,7 +89,7 @@ class Mapper:
         """Return whether it has become a key turn."""
         if not self.keys:
             self.here = self._from = _ORIGIN
-            self._keep(KeyTurn(_ORIGIN, turn, 0.0, 1.0, 0.0))
+            self._keep(KeyTurn(_ORIGIN, turn, 0.0, 1.0, 0.0, is_cut=True))
             return True
         if turn.leapt:
             self._odom, self._from = turn.odom, self.here or _ORIGIN
@@ -96,7 +100,7 @@ class Mapper:
             return False
         last = self.keys[-1]
         spread = (0.005 + 0.03 * length, 0.005 + 0.03 * length, 0.01 + 0.10 * abs(raw.yaw) + 0.05 * length)
-        if turn.leapt or self.trouble:
+        if is_cut := turn.leapt or bool(self.trouble):
             spread = _LEAPT
         field = self._field(range(max(0, len(self.keys) - _RECENT), len(self.keys)))
         found = match(field, turn.cloud, guess, spread)
@@ -106,24 +110,25 @@ class Mapper:
                 [found, *(match(field, turn.cloud, each, _FOUND) for each in about)], key=lambda each: each.share
             )
         if found.share < _LOST:
-            self.trouble, self.left_out = _FITS_NOWHERE, self.left_out + 1
+            self._lost += length
+            self.trouble, self.lost = _FITS_NOWHERE, max(self.lost, self._lost)
             self._odom, self._from = turn.odom, guess
             return False
         pose = _pose(found)
         seen = pose.seen_from(last.pose)
-        if not self.trouble and not turn.leapt:
+        if not is_cut:
             self._learn(raw, pose.seen_from(self._from), found)
         self.trouble, self.here = NO_TROUBLE, pose
         information = seen_in(last.pose.yaw, found.information + np.diag(1.0 / np.square(spread)))
         self.edges.append(Edge(len(self.keys) - 1, len(self.keys), seen, _CHAIN * information))
-        self._keep(KeyTurn(pose, turn, last.way + length * self.scale, found.share, found.slide))
+        self._keep(KeyTurn(pose, turn, last.way + length * self.scale, found.share, found.slide, is_cut))
         if len(self.keys) - self._looked >= _LOOP_EACH:
             self._close()
         return True
 
     def _keep(self, key: KeyTurn) -> None:
         self.keys.append(key)
-        self._odom, self._from = key.turn.odom, key.pose
+        self._odom, self._from, self._lost = key.turn.odom, key.pose, 0.0
 
     def _moved(self, raw: Pose) -> Pose:
         return Pose(raw.x * self.scale, raw.y * self.scale, raw.yaw * self.turn_scale)

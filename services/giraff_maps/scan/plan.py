@@ -18,6 +18,7 @@ from giraff_schemas.trouble import Trouble
 _SLIDES: Final = 0.010  # m
 _GAPES: Final = 0.015  # m
 _DOUBLED: Final = 0.008
+_LOST: Final = 0.5  # m
 """Limits of a good plan, as of `Figures`. They come from drives through four furnished homes, good ones and bad."""
 
 
@@ -35,8 +36,8 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     """m by which walls let the robot slide in the worst twentieth of the key turns, as a standard deviation."""
     doubles: float
     """Share of the wall cells behind which the same wall stands again, 0..1."""
-    left_out: int
-    """Turns of the scanner that fitted nowhere."""
+    lost: float
+    """m of the longest way on which no turn of the scanner fitted."""
     missing: tuple[Trouble, ...]
     """Causes for which the plan is not good. Empty: it is."""
 
@@ -69,7 +70,7 @@ def make_plan(mapper: Mapper, mount: Pose) -> Iterator[MadePlan | float]:
     finder = WallFinder(faces)
     while finder.find():
         yield (1.0 + finder.done) / 2.0
-    figures = _figures(keys, edges, doubled(faces, grid), mapper.left_out)
+    figures = _figures(keys, edges, doubled(faces, grid), mapper.lost)
     yield MadePlan(grid, tuple(finder.walls), start, figures)
 
 
@@ -82,7 +83,7 @@ def _direction(keys: Sequence[KeyTurn]) -> float:
     return float(np.angle(fourth)) / 4.0
 
 
-def _figures(keys: Sequence[KeyTurn], edges: Sequence[Edge], doubles: float, left_out: int) -> Figures:
+def _figures(keys: Sequence[KeyTurn], edges: Sequence[Edge], doubles: float, lost: float) -> Figures:
     gaps = [
         math.dist(keys[edge.end].pose.seen_from(keys[edge.begin].pose)[:2], edge.seen[:2])
         for edge in edges
@@ -95,7 +96,7 @@ def _figures(keys: Sequence[KeyTurn], edges: Sequence[Edge], doubles: float, lef
         loop_gap=max(gaps, default=0.0),
         slide=float(np.quantile([key.slide for key in keys], 0.95)),
         doubles=doubles,
-        left_out=left_out,
+        lost=lost,
         missing=(),
     )
     return msgspec.structs.replace(figures, missing=tuple(_missing(figures)))
@@ -122,8 +123,8 @@ def _missing(figures: Figures) -> Iterator[Trouble]:
             f"{figures.doubles:.1%} of the walls are drawn twice",
             "drive more slowly, once more round, and let nobody walk beside the robot",
         )
-    if figures.left_out:
+    if figures.lost > _LOST:
         yield Trouble(
-            f"{figures.left_out} turns of the scanner fitted nowhere",
+            f"on {figures.lost:.1f} m nothing that the scanner saw fitted",
             "begin anew, and neither lift nor push the robot on the way",
         )

@@ -6,9 +6,9 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from giraff_maps.scan.match import Cloud, Field, Floats, cloud_of, match, points_of, rotated
 from giraff_schemas.scan import RAYS
 from giraff_setup.condition import is_determined
-from giraff_maps.scan.match import Cloud, Field, Floats, cloud_of, match, points_of, rotated
 from giraff_setup.ultrasonic.fit import UntoldError
 
 _STEP: Final = math.tau / RAYS

@@ -9,6 +9,7 @@ import numpy as np
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.senses import LaserScanner
+from giraff_maps.scan.match import Floats, points_of, rotated
 from giraff_schemas.motion import Move, Turn
 from giraff_schemas.scan import NOT_MEASURED, OWN, RAYS, LaserScan
 from giraff_setup.scan.fit import (
@@ -22,7 +23,6 @@ from giraff_setup.scan.fit import (
     own_parts,
     turns_with_wheels,
 )
-from giraff_maps.scan.match import Floats, points_of, rotated
 from giraff_setup.ultrasonic.calibrate import HeldRest
 from giraff_setup.ultrasonic.fit import UntoldError
 from giraff_setup.ultrasonic.procedure import StoppedError, ask_number, has_moved

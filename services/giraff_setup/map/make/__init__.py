@@ -1,0 +1,1 @@
+"""`giraff map make`: a floor plan by driving round."""
