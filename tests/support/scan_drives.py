@@ -3,7 +3,6 @@
 import math
 from array import array
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -285,8 +284,3 @@ def aligned(points: Floats, alignment: Pose) -> Floats:
 def wall_error(world: World, points: Floats, alignment: Pose) -> Floats:
     """Return m from each point, in the estimate's frame, to the nearest true wall."""
     return world.distances(aligned(points, alignment))
-
-
-def route_length(world: World) -> float:
-    """Return m of the way through a home."""
-    return sum(math.dist(a, b) for a, b in pairwise(world.way(world.goals)))

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from giraff_core.kinematics.pose import Pose
-from giraff_maps.room_file import Point
+from giraff_maps.room_file import Point, post_outline
 from giraff_sim.world.ld19 import walls_met
 from giraff_sim.world.room import Pose as Place
 from giraff_sim.world.room import Room, read_room
@@ -72,18 +72,16 @@ class World:
         """`dark`, `glass`: names of walls that the scanner loses from far, and sees near their normal only."""
         segments = [*room.walls]
         for name, x, y, radius in room.posts:
-            corners = Room(name, Place(0.0, 0.0, 0.0))
-            corners.add_post(name, x, y, radius)
-            segments += [(name, *a, *b) for [*outline] in corners.outlines() for a, b in pairwise(outline)]
+            segments += [(name, *begin, *end) for begin, end in pairwise(post_outline(x, y, radius))]
         self.goals = list(goals)
         self.names = sorted({name for name, *_ in segments})
         self.segments: Floats = np.array([ends for _, *ends in segments])
         """m: x, y of either end."""
         self._dark = np.array([name in dark for name, *_ in segments])
         self._glass = np.array([name in glass for name, *_ in segments])
-        corners_of = self.segments.reshape(-1, 2)
-        self._low = corners_of.min(axis=0)
-        self._shape = np.ceil((corners_of.max(axis=0) - self._low) / _CELL).astype(int) + 1
+        corners = self.segments.reshape(-1, 2)
+        self._low = corners.min(axis=0)
+        self._shape = np.ceil((corners.max(axis=0) - self._low) / _CELL).astype(int) + 1
         cells = np.stack(np.meshgrid(*map(np.arange, self._shape), indexing="ij"), axis=-1).reshape(-1, 2)
         self._clear = self.distances(cells * _CELL + self._low)
         self._free = cells[self._clear > CLEAR]
@@ -91,12 +89,13 @@ class World:
 
     def distances(self, points: Floats) -> Floats:
         """Return m from each point to the nearest wall."""
-        best = np.full(len(points), NOTHING)
-        for x, y, end_x, end_y in self.segments:
-            off, along = points - (x, y), np.array([end_x - x, end_y - y])
-            part = np.clip(off @ along / (along @ along), 0.0, 1.0)
-            np.minimum(best, np.hypot(off[:, 0] - part * along[0], off[:, 1] - part * along[1]), out=best)
-        return best
+        best, (xs, ys) = np.full(len(points), NOTHING**2), np.ascontiguousarray(points.T)
+        for x, y, end_x, end_y in self.segments.tolist():
+            off_x, off_y, along_x, along_y = xs - x, ys - y, end_x - x, end_y - y
+            part = np.clip((off_x * along_x + off_y * along_y) / (along_x**2 + along_y**2), 0.0, 1.0)
+            np.minimum(best, (off_x - part * along_x) ** 2 + (off_y - part * along_y) ** 2, out=best)
+        found: Floats = np.sqrt(best)
+        return found
 
     def is_clear(self, point: Point) -> bool:
         """Tell whether the robot may stand there."""
