@@ -14,7 +14,8 @@ import numpy.typing as npt
 CELL: Final = 0.04
 """m, of a field."""
 _REACH: Final = 0.32  # m up to which a field knows the nearest wall point
-_APART: Final = 0.03  # m between two points that a field keeps
+_APART: Final = 0.05
+"""m between two points that a field keeps. The first one of a place stays: walls that were drawn once do not drift."""
 _HALF_SPAN: Final = 0.12  # m to either side, over which a wall's direction is taken
 _ROUGH: Final = 0.022  # m: standard deviation beyond which points are no flat wall
 _SHORT, _LONG = 0.02, 0.35
@@ -147,11 +148,12 @@ class Field:
 def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Matched:
     """Return the scanner's pose in the field. `spread`: standard deviations (m, m, rad) of `guess`."""
     pose, prior, gate = np.array(guess, dtype=float), 1.0 / np.square(spread), 0.3
+    flat = (cloud.normals != 0.0).any(axis=1)
     off, walls = np.full(len(cloud.points), math.inf), np.zeros((3, 3))
     for number in range(_ROUNDS):
         points, own = cloud.placed(pose)
         at, normals, known = field.nearest(points)
-        known &= (normals * own).sum(axis=1) > 0.7
+        known &= ((normals * own).sum(axis=1) > 0.7) | ~flat
         off = np.where(known, (normals * (points - at)).sum(axis=1), math.inf)
         used = np.abs(off) < gate
         arm, normal, error = points[used] - pose[:2], normals[used], off[used]
@@ -165,5 +167,5 @@ def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Ma
         pose, gate = pose + step, max(0.1, gate * 0.75)
         if number > 3 and np.abs(step).max() < 2e-4:
             break
-    flat, met = (cloud.normals != 0.0).any(axis=1).sum(), (np.abs(off) < _ON_WALL).sum()
-    return Matched(pose, float(met) / max(1.0, float(flat)), walls)
+    share = np.count_nonzero(np.abs(off[flat]) < _ON_WALL) / max(1, np.count_nonzero(flat))
+    return Matched(pose, share, walls)
