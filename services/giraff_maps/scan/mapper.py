@@ -22,6 +22,7 @@ _STEP, _TURN = 0.2, 0.17  # m, rad from one key turn to the next
 _RECENT: Final = 14  # key turns that the next one is matched to
 _GOOD: Final = 0.65  # share of the points on walls below which a pose is searched for about the guess
 _LOST: Final = 0.5  # the same, below which the turn fits nowhere
+_FOUND_SHARE: Final = 0.8  # the same, from which on a robot that was lost is found by a search
 _ABOUT: Final = (0.4, 0.3)  # m, rad of that search
 _FOUND: Final = (0.1, 0.1, 0.05)  # m, m, rad: standard deviations of what a search finds
 _LEAPT: Final = (0.3, 0.3, 0.2)  # m, m, rad: where the robot may be after odometry began anew
@@ -69,10 +70,8 @@ class Mapper:
         """`base_link` in the map, as of the newest turn. None: there was none."""
         self.trouble: Trouble = NO_TROUBLE
         """Cause, where the newest turn fits nowhere."""
-        self.lost = 0.0
-        """m of the longest way on which no turn fitted."""
-        self._lost = 0.0
-        """m of that way since the newest key turn."""
+        self._lost = self._was_lost = 0.0
+        """m on which no turn has fitted, since the newest key turn; and before the robot was found by a search."""
         self.edges: list[Edge] = []
         self.scale, self.turn_scale = 1.0, 1.0
         """m and rad, by the walls, for each of odometry."""
@@ -84,6 +83,11 @@ class Mapper:
         """Pose in the map there."""
         self._looked = 0
         """Number of the key turn that last looked for a loop."""
+
+    @property
+    def lost(self) -> float:
+        """m of the longest way on which nothing fitted, and after which only a search found the robot, or none did."""
+        return max(self._lost, self._was_lost)
 
     def add(self, turn: Turn) -> bool:
         """Return whether it has become a key turn."""
@@ -98,22 +102,20 @@ class Mapper:
         self.here = guess = self._moved(raw).placed_in(self._from)
         if length < _STEP and abs(raw.yaw) < _TURN and not turn.leapt:
             return False
-        last = self.keys[-1]
-        spread = (0.005 + 0.03 * length, 0.005 + 0.03 * length, 0.01 + 0.10 * abs(raw.yaw) + 0.05 * length)
-        if is_cut := turn.leapt or bool(self.trouble):
-            spread = _LEAPT
+        last, off = self.keys[-1], length + self._lost
+        spread = (0.005 + 0.03 * off, 0.005 + 0.03 * off, 0.01 + 0.10 * abs(raw.yaw) + 0.05 * off)
         field = self._field(range(max(0, len(self.keys) - _RECENT), len(self.keys)))
-        found = match(field, turn.cloud, guess, spread)
-        if found.share < _GOOD:  # the wheels may have slipped
-            about = search(field, turn.cloud, np.array(guess), *_ABOUT)
-            found = max(
-                [found, *(match(field, turn.cloud, each, _FOUND) for each in about)], key=lambda each: each.share
-            )
-        if found.share < _LOST:
-            self._lost += length
-            self.trouble, self.lost = _FITS_NOWHERE, max(self.lost, self._lost)
-            self._odom, self._from = turn.odom, guess
-            return False
+        found = match(field, turn.cloud, guess, _LEAPT if turn.leapt else spread)
+        is_cut = turn.leapt
+        if found.share < _GOOD:
+            found = self._searched(field, turn.cloud, found, guess)
+            is_cut = is_cut or bool(self.trouble)
+            if found.share < (_FOUND_SHARE if self.trouble else _LOST):
+                self.trouble, self._lost = _FITS_NOWHERE, off + (0.0 if length else _STEP)
+                self._odom, self._from = turn.odom, guess
+                return False
+            if self.trouble:
+                self._was_lost = max(self._was_lost, self._lost)
         pose = _pose(found)
         seen = pose.seen_from(last.pose)
         if not is_cut:
@@ -125,6 +127,15 @@ class Mapper:
         if len(self.keys) - self._looked >= _LOOP_EACH:
             self._close()
         return True
+
+    def _searched(self, field: Field, cloud: Cloud, found: Matched, guess: Pose) -> Matched:
+        """Return what fits best near where a turn should be: the wheels may have slipped.
+
+        One that fitted nowhere is also looked for near where the last one did: there it may have been put back.
+        """
+        near = [guess, self.keys[-1].pose] if self.trouble else [guess]
+        about = [each for place in near for each in search(field, cloud, np.array(place), *_ABOUT)]
+        return max([found, *(match(field, cloud, each, _FOUND) for each in about)], key=lambda each: each.share)
 
     def _keep(self, key: KeyTurn) -> None:
         self.keys.append(key)

@@ -167,5 +167,5 @@ def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Ma
         pose, gate = pose + step, max(0.1, gate * 0.75)
         if number > 3 and np.abs(step).max() < 2e-4:
             break
-    share = np.count_nonzero(np.abs(off[flat]) < _ON_WALL) / max(1, np.count_nonzero(flat))
+    share = int((np.abs(off[flat]) < _ON_WALL).sum()) / max(1, int(flat.sum()))
     return Matched(pose, share, walls)

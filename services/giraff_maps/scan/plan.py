@@ -18,7 +18,6 @@ from giraff_schemas.trouble import Trouble
 _SLIDES: Final = 0.010  # m
 _GAPES: Final = 0.015  # m
 _DOUBLED: Final = 0.008
-_LOST: Final = 0.5  # m
 """Limits of a good plan, as of `Figures`. They come from drives through four furnished homes, good ones and bad."""
 
 
@@ -37,7 +36,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
     doubles: float
     """Share of the wall cells behind which the same wall stands again, 0..1."""
     lost: float
-    """m of the longest way on which no turn of the scanner fitted."""
+    """m of the longest way on which nothing fitted, and after which only a search found the robot, or none did."""
     missing: tuple[Trouble, ...]
     """Causes for which the plan is not good. Empty: it is."""
 
@@ -123,7 +122,7 @@ def _missing(figures: Figures) -> Iterator[Trouble]:
             f"{figures.doubles:.1%} of the walls are drawn twice",
             "drive more slowly, once more round, and let nobody walk beside the robot",
         )
-    if figures.lost > _LOST:
+    if figures.lost:
         yield Trouble(
             f"on {figures.lost:.1f} m nothing that the scanner saw fitted",
             "begin anew, and neither lift nor push the robot on the way",

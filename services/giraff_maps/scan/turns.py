@@ -17,7 +17,7 @@ _FASTEST, _FASTEST_TURN = 2.0, 6.0  # m/s, rad/s: what is faster is a leap of od
 
 
 class Turn(NamedTuple):
-    """What one turn saw, as if the robot had stood all the while where it was at the turn's end."""
+    """Points that one turn saw, as if the robot had stood all the while where it was at the turn's end."""
 
     cloud: Cloud
     """In `base_link`."""
@@ -37,8 +37,10 @@ class Turns:
 
     def add(self, scan: LaserScan) -> Turn | None:
         """Take a sample; return the turn before it. None: it tells too little, or its motion is not known."""
+        if scan.odom is None or scan.tick is None:
+            return None
         last, self._last = self._last, scan
-        if last is None or last.odom is None or scan.odom is None or last.tick is None or scan.tick is None:
+        if last is None or last.odom is None or last.tick is None:
             return None
         since = _begun(scan) - _begun(last)
         begin, end = Pose(*last.odom), Pose(*scan.odom)
