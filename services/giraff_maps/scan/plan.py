@@ -11,10 +11,14 @@ from giraff_core.kinematics.pose import Pose
 from giraff_maps.floor_plan import Wall
 from giraff_maps.scan.graph import Edge
 from giraff_maps.scan.mapper import KeyTurn, Mapper
+from giraff_maps.scan.match import rotated
 from giraff_maps.scan.occupancy import Looks, OccupancyGrid
 from giraff_maps.scan.walls import WallFinder, doubled, faces_of
 from giraff_schemas.trouble import Trouble
 
+_DIRECTION_ROUNDS: Final = 3
+_ASLANT: Final = math.radians(5.0)
+_SHORTEST: Final = 3.0  # m
 _SLIDES: Final = 0.010  # m
 _GAPES: Final = 0.015  # m
 _DOUBLED: Final = 0.008
@@ -75,11 +79,12 @@ def make_plan(mapper: Mapper, mount: Pose) -> Iterator[MadePlan | float]:
 
 def _direction(keys: Sequence[KeyTurn]) -> float:
     """Return the direction of most walls, rad, at most 45 degrees to either side."""
-    fourth = 0.0 + 0.0j
-    for key in keys:
-        normals = key.turn.cloud.normals[(key.turn.cloud.normals != 0.0).any(axis=1)]
-        fourth += np.exp(4j * (np.arctan2(normals[:, 1], normals[:, 0]) + key.pose.yaw)).sum()
-    return float(np.angle(fourth)) / 4.0
+    normals = [rotated(key.pose.yaw, key.turn.cloud.normals) for key in keys]
+    fourth = np.concatenate([each[:, 0] + 1j * each[:, 1] for each in normals]) ** 4
+    along = fourth.sum()
+    for _ in range(_DIRECTION_ROUNDS):  # what stands aslant is left out
+        along = fourth[np.abs(np.angle(fourth * np.conj(along))) < 4.0 * _ASLANT].sum()
+    return float(np.angle(along)) / 4.0
 
 
 def _figures(keys: Sequence[KeyTurn], edges: Sequence[Edge], doubles: float, lost: float) -> Figures:
@@ -102,6 +107,11 @@ def _figures(keys: Sequence[KeyTurn], edges: Sequence[Edge], doubles: float, los
 
 
 def _missing(figures: Figures) -> Iterator[Trouble]:
+    if figures.way < _SHORTEST:
+        yield Trouble(
+            f"only {figures.way:.1f} m were driven, by odometry",
+            "drive through all rooms, and if the robot has moved, check that giraff_odometry runs",
+        )
     if not figures.loops:
         yield Trouble(
             "no place was seen a second time, so that nothing shows how far the plan is bent",

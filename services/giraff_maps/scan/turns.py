@@ -12,7 +12,7 @@ from giraff_schemas.scan import NEAREST, OWN, RAYS, LaserScan
 
 FEWEST: Final = 30
 """Rays with an echo. Fewer tell no place."""
-_LONGEST_GAP: Final = 0.1  # s between two turns over which the motion within the earlier one is not told
+_LONGEST_GAP: Final = 0.15  # s between two turns over which the motion within the earlier one is not told
 _FASTEST, _FASTEST_TURN = 2.0, 6.0  # m/s, rad/s: what is faster is a leap of odometry, not a motion
 
 

@@ -100,6 +100,13 @@ def seen(scan: LaserScan, number: int, other: int) -> bytes:
 
 
 replace: Final = msgspec.structs.replace
+
+
+def restarted(scan: LaserScan) -> LaserScan:
+    """Return a sample of after another start of base; the first one of them has no pose."""
+    return replace(scan, tick=later(scan.tick, 0.0, 2), odom=None if scan.seq == 2 else scan.odom)
+
+
 CHANGES: Final[dict[str, tuple[str, Callable[[LaserScan], LaserScan], bool]]] = {
     "nothing": ("-tttt", lambda scan: scan, True),
     "a gap": ("-t-tt", lambda scan: replace(scan, tick=later(scan.tick, 0.5)), True),
@@ -107,8 +114,9 @@ CHANGES: Final[dict[str, tuple[str, Callable[[LaserScan], LaserScan], bool]]] = 
     "another start of base": ("-t-lt", lambda scan: replace(scan, tick=later(scan.tick, 0.0, 2)), True),
     "a clock that was set back": ("-t-lt", lambda scan: replace(scan, tick=later(scan.tick, -0.11)), True),
     "a turn that failed": ("-tt-t", lambda scan: replace(scan, trouble=Trouble("its motor is held", "free it")), False),
-    "a pose not known": ("-t--t", lambda scan: replace(scan, odom=None), False),
-    "a time not known": ("-t--t", lambda scan: replace(scan, tick=None), False),
+    "a pose not known": ("-t-tt", lambda scan: replace(scan, odom=None), False),
+    "a time not known": ("-t-tt", lambda scan: replace(scan, tick=None), False),
+    "a pose not known before another start": ("-t--l", restarted, True),
     "few echoes": ("-tt-t", lambda scan: replace(scan, ranges=seen(scan, FEWEST - 1, NO_ECHO)), False),
     "enough echoes": ("-tttt", lambda scan: replace(scan, ranges=seen(scan, FEWEST, NO_ECHO)), False),
     "the robot's own parts": ("-tt-t", lambda scan: replace(scan, ranges=seen(scan, FEWEST - 1, OWN + 900)), False),
