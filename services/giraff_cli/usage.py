@@ -45,6 +45,7 @@ tune balance --file deploy/robots/balancer.toml
 encoder disk disk.svg
 map show deploy/worlds/flat.toml
 map convert deploy/worlds/flat.toml flat.yaml
+map make ground-floor
 keys host robot 192.168.1.20
 completion bash
 """.splitlines()

@@ -1,4 +1,4 @@
-"""Draws a room as an occupancy grid of ROS's map_server: a YAML file and a PGM beside it.
+"""Writes occupancy grids of ROS's map_server: a YAML file and a PGM beside it. A room is drawn as one.
 
 Walls and posts are occupied, what can be reached from the room's start is free, and all else is unknown: the outside,
 and the inside of furniture.
@@ -15,7 +15,8 @@ from giraff_maps.grid_file import MOST_CELLS
 from giraff_maps.room_file import read_room_file, room_plan
 from giraff_node.process.state import write_file_durably
 
-_OCCUPIED, _UNKNOWN, _FREE = 0, 205, 254  # of 255, as map_server's own maps have them
+OCCUPIED, UNKNOWN, FREE = 0, 205, 254
+"""Shades of 255, as map_server's own maps have them."""
 _MARGIN: Final = 2  # cells about all
 _STEP: Final = 0.25  # cells between two points of a wall that are looked at
 
@@ -37,14 +38,23 @@ def write_grid(room: Path, out: Path, resolution: float) -> Path:
     if there := next((path for path in (out, image) if path.exists()), None):
         raise MapError(f"{there} is there already, and is left alone: name another file")
     write_file_durably(image, raster.pgm())
-    yaml = (
-        f"image: {json.dumps(image.name)}\n"
-        f"resolution: {resolution!r}\n"
-        f"origin: [{raster.left!r}, {raster.bottom!r}, 0.0]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: trinary\n"
-    )
-    write_file_durably(out, yaml.encode())
+    write_file_durably(out, yaml_bytes(image.name, resolution, raster.left, raster.bottom))
     return image
+
+
+def yaml_bytes(image: str, resolution: float, left: float, bottom: float) -> bytes:
+    """Return the YAML file of an image whose lower left corner is there in the map (m)."""
+    return (
+        f"image: {json.dumps(image)}\n"
+        f"resolution: {resolution!r}\n"
+        f"origin: [{left!r}, {bottom!r}, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: trinary\n"
+    ).encode()
+
+
+def pgm_bytes(width: int, height: int, shades: bytes) -> bytes:
+    """Return the image. `shades`: of its pixels, the topmost row first."""
+    return f"P5\n{width} {height}\n255\n".encode() + shades
 
 
 class _Raster:
@@ -62,12 +72,12 @@ class _Raster:
 
     def draw(self, plan: FloorPlan) -> None:
         """Its walls on unknown ground."""
-        self._cells = bytearray([_UNKNOWN]) * (self.width * self.height)
+        self._cells = bytearray([UNKNOWN]) * (self.width * self.height)
         for x, y, end_x, end_y in plan.walls:
             steps = math.ceil(math.hypot(end_x - x, end_y - y) / (self._resolution * _STEP)) + 1
             for step in range(steps + 1):
                 part = step / steps
-                self._cells[self._cell(x + part * (end_x - x), y + part * (end_y - y))] = _OCCUPIED
+                self._cells[self._cell(x + part * (end_x - x), y + part * (end_y - y))] = OCCUPIED
 
     def fill(self, x: float, y: float) -> None:
         """Whatever can be reached from there, cell by cell beside each other, is free."""
@@ -77,9 +87,9 @@ class _Raster:
         waiting = deque([row * self.width + column])
         while waiting:
             cell = waiting.popleft()
-            if self._cells[cell] != _UNKNOWN:
+            if self._cells[cell] != UNKNOWN:
                 continue
-            self._cells[cell] = _FREE
+            self._cells[cell] = FREE
             column = cell % self.width
             waiting += [
                 *([cell - 1] if column > 0 else ()),
@@ -91,7 +101,7 @@ class _Raster:
     def pgm(self) -> bytes:
         """With the topmost row first."""
         rows = (self._cells[row * self.width : (row + 1) * self.width] for row in reversed(range(self.height)))
-        return f"P5\n{self.width} {self.height}\n255\n".encode() + b"".join(rows)
+        return pgm_bytes(self.width, self.height, b"".join(rows))
 
     def _place(self, x: float, y: float) -> tuple[int, int]:
         return (

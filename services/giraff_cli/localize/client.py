@@ -10,14 +10,14 @@ from giraff_core.kinematics.pose import Pose
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
 from giraff_node.network.query_client import QueryClient
-from giraff_node.network.tokens import find_tokens, list_robots
+from giraff_node.network.tokens import list_robots
 from giraff_schemas.localization import LocalizationAnswer, LocalizationGlobal, LocalizationSetPose
-from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.text import printable
-from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key
+from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT
 from giraff_telemetry.localization import place_text
 from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
+from giraff_tools.network.localization import is_there
 from giraff_tools.terminal.page import print_json
 from giraff_tools.terminal.program import user_at_host
 
@@ -26,7 +26,6 @@ REFUSED: Final = 1
 UNANSWERED: Final = 2
 
 _PATIENCE: Final = 3.0  # s, for an answer
-_REPLY_WITHIN: Final = 1.0  # s, for liveliness tokens
 _LOOKS: Final = 4  # times: a session that has just begun is not linked with every process yet
 _BETWEEN: Final = 0.25  # s
 _HOW_TO_START: Final = "`giraff localize --map FILE` starts one in this terminal, `giraff run --localize` beside a run"
@@ -45,12 +44,6 @@ def told_pose(pose: Pose) -> LocalizationSetPose:
     return LocalizationSetPose(by=user_at_host(), id=secrets.randbits(63), x=x, y=y, yaw=yaw)
 
 
-def is_there(connection: RobotConnection) -> bool:
-    """Whether localization of this robot runs on the network."""
-    key = alive_key(connection.robot, LOCALIZATION.name)
-    return bool(find_tokens(connection.session, key, _REPLY_WITHIN))
-
-
 def require_there(connection: RobotConnection) -> None:
     """Raises NoRobotError, with the way out, where none runs."""
     for _ in range(_LOOKS):
@@ -62,15 +55,6 @@ def require_there(connection: RobotConnection) -> None:
         if connection.robot not in there:
             raise NoRobotError(not_found_text(connection.robot, there))
         raise NoRobotError(f"no localization of {connection.robot} runs on the network; {_HOW_TO_START}")
-
-
-def require_none(connection: RobotConnection) -> None:
-    """Raises NoRobotError where one runs already: two would tell two places."""
-    if is_there(connection):
-        raise NoRobotError(
-            f"localization of {connection.robot} runs on the network already; without --map this command shows and "
-            "asks it; end it to start another"
-        )
 
 
 def give_place(robot: str | None, connect: Sequence[str], place: Pose | None, *, as_json: bool) -> int:

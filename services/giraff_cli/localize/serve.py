@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 
-from giraff_cli.localize.client import DONE, REFUSED, require_none, told_pose
+from giraff_cli.localize.client import DONE, REFUSED, told_pose
 from giraff_cli.localize.floor import floor_of
 from giraff_cli.localize.view import Hearing, screen_of
 from giraff_core.io import Selectable
@@ -25,6 +25,7 @@ from giraff_schemas.topics import LOCALIZATION_SET_POSE
 from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.limits import ask_limits
+from giraff_tools.network.localization import require_none
 from giraff_tools.terminal.output import discard_stdout
 
 
@@ -44,7 +45,7 @@ def serve(
         return print_error(str(error))
 
     def act(connection: RobotConnection) -> int:
-        require_none(connection)
+        require_none(connection, "without --map this command shows and asks it; end it to start another")
         limits = ask_limits(connection, "localize")
         config = LocalizationConfig(map=str(path.absolute()))
         try:

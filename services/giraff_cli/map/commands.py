@@ -1,11 +1,13 @@
 """The verbs of `giraff map`. What they do is imported when it is asked for."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
-from giraff_cli.options import AsJson, finite
+from giraff_cli.options import AsJson, Connect, Ending, Robot, finite, require_extra
+
+_REFUSED: Final = 2
 
 maps = typer.Typer(no_args_is_help=True, help="Floor plans, on which the robot is looked for: see docs/maps.md.")
 
@@ -43,3 +45,41 @@ def convert(
     from giraff_setup.map.convert import convert as run  # noqa: PLC0415
 
     raise typer.Exit(run(room, out, resolution, as_json=as_json))
+
+
+@maps.command()
+def make(
+    plan: Annotated[
+        Path, typer.Argument(metavar="NAME", help="Of the new files, like home or plans/home, without an ending.")
+    ],
+    recording: Annotated[
+        Path | None,
+        typer.Option("--from", metavar="FILE", help="Of `giraff record`, instead of a robot.", show_default=False),
+    ] = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Ending = None,
+    as_json: AsJson = False,
+) -> None:
+    """Make a floor plan with a laser scanner, while somebody drives the robot round by any hand.
+
+    The plan grows in this terminal, which also tells where the robot is on it, and what is missing. Ctrl-C ends the
+    drive and writes NAME.yaml with its image NAME.pgm, and NAME.toml with straight walls; a second one gives it up.
+    It moves nothing and overwrites nothing.
+
+    Exit code: 0 a good plan is written; 1 one that lacks something, or a part of the
+    recording cannot be read; 2 none.
+    """
+    if recording is not None and (robot is not None or connect or seconds is not None):
+        why = "--robot, --connect and --for are for a live robot; a recording is of one already, and has an end"
+        typer.echo(f"giraff map make: {why}", err=True)
+        raise typer.Exit(_REFUSED)
+    for library in ("numpy", *(["mcap"] if recording is not None else [])):
+        require_extra("map make", library, "cli,localization" + (",record" if library == "mcap" else ""))
+    if recording is not None:
+        from giraff_setup.map.make.recorded import make as from_recording  # noqa: PLC0415
+
+        raise typer.Exit(from_recording(plan, recording, as_json=as_json))
+    from giraff_setup.map.make.live import make as run  # noqa: PLC0415
+
+    raise typer.Exit(run(plan, robot, connect or (), seconds, as_json=as_json))

@@ -26,6 +26,7 @@ ASKING: dict[str, Words] = {
     "web": (),
     "ros2": (),
     "localize": (),
+    "map make": ("FILE", "--for", "4"),
     "estop status": (),
     "estop reset": (),
     "stop": (),
@@ -107,7 +108,7 @@ ROBOTLESS: Mapping[str, str] = {
     "tune speed": "unit/cli/test_tune_speed.py: it goes through it with whoever stands beside the robot",
 }
 """Those that ask no robot, and where below tests/ they are tried."""
-WAITING = {"watch", "record", "view", "drive", "web", "ros2"}
+WAITING = {"watch", "record", "view", "drive", "web", "ros2", "map make"}
 """They say so while they wait, and in the end."""
 
 

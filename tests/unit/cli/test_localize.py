@@ -16,7 +16,7 @@ from rich.console import Console
 
 import giraff_cli.localize.serve
 from giraff_cli.localize import client
-from giraff_cli.localize.client import ask, require_none
+from giraff_cli.localize.client import ask
 from giraff_cli.localize.view import ChangedLines, JsonLines, PoseView
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import Latest
@@ -26,6 +26,7 @@ from giraff_schemas.codec import stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, alive_key
 from giraff_schemas.trouble import Trouble
+from giraff_tools.network.localization import require_none
 from tests.unit.cli.asked import AskedRobot
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.quiet_network import meet
@@ -170,7 +171,7 @@ def test_where_none_runs_the_way_to_one_is_told(network: Network) -> None:
     with network.session.declare_token(alive_key(NAME, "base", "1")):
         with pytest.raises(NoRobotError, match=r"^no localization of sim-here runs .* `giraff localize --map FILE`"):
             ask(network.connection, HERE, 3.0)
-        require_none(network.connection)
+        require_none(network.connection, "end it")
     with pytest.raises(NoRobotError, match=r"^no robot called sim-here is heard"):
         ask(network.connection, None, 3.0)
 
@@ -178,6 +179,6 @@ def test_where_none_runs_the_way_to_one_is_told(network: Network) -> None:
 def test_a_second_one_is_not_started(network: Network) -> None:
     with (
         network.session.declare_token(TOKEN),
-        pytest.raises(NoRobotError, match="runs on the network already; without --map"),
+        pytest.raises(NoRobotError, match="runs on the network already; end it"),
     ):
-        require_none(network.connection)
+        require_none(network.connection, "end it")

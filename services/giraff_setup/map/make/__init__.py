@@ -1,1 +1,1 @@
-"""`giraff map make`: a floor plan by driving round."""
+"""`giraff map make`: a floor plan, by driving the robot round with its laser scanner."""

@@ -1,0 +1,319 @@
+"""`giraff map make`: a plan of a drive, live and recorded, and where it is written."""
+
+import json
+import os
+import signal
+from collections.abc import Callable, Sequence
+from itertools import count
+from pathlib import Path
+from typing import Any, cast
+
+import msgspec
+import pytest
+from PIL import Image
+
+from giraff_core.io import Inbox
+from giraff_core.robot import RobotConfig
+from giraff_maps.read import read_map
+from giraff_mcap.raw_sample import RawSample
+from giraff_mcap.writing import RecordingWriter
+from giraff_node.process.state import write_file_durably
+from giraff_schemas.codec import encode, encoding_of, stamped
+from giraff_schemas.localization import MapPose, MapWalls
+from giraff_schemas.messages import Sample
+from giraff_schemas.scan import LaserScan
+from giraff_schemas.topics import MAP, POSE, SCAN, Topic, key_of
+from giraff_schemas.trouble import Trouble
+from giraff_setup.map.make import files, finish
+from giraff_setup.map.make.drive import Drive
+from giraff_setup.map.make.live import PlanMaking
+from giraff_setup.map.make.view import ChangedLines, GrowingPlan
+from tests.support.robots import ROBOT
+from tests.unit.cli.typed import Giraff, giraff
+from tests.unit.mcap.recordings import ABOUT, BEGAN_NS
+from tests.unit.setup.mapped import MAPPED, drive
+
+__all__ = ["giraff"]
+
+NAMES = ["home.pgm", "home.toml", "home.yaml"]
+SCANS = list(drive())
+ROUND = 80
+"""Scans of a little more than once round the table."""
+
+
+def names(folder: str) -> list[str]:
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+def recorded(path: Path, scans: Sequence[Sample], robot: RobotConfig = MAPPED, topic: Topic[Any] = SCAN) -> Path:
+    writer = RecordingWriter(path, ABOUT | {"tables": msgspec.json.encode({"robot": robot}).decode()})
+    with writer:
+        for number, scan in enumerate(scans):
+            key = key_of("sim-test", SCAN.at(scan.sensor) if isinstance(scan, LaserScan) else topic)
+            writer.add(
+                [
+                    RawSample(
+                        BEGAN_NS + number * 100_000_000,
+                        key,
+                        encode(stamped(scan, number, 0, "s")),
+                        encoding_of(type(scan)),
+                    )
+                ]
+            )
+        writer.close("test")
+    return path
+
+
+def driven(scans: Sequence[LaserScan] = SCANS[:ROUND]) -> Drive:
+    made = Drive(MAPPED)
+    for scan in scans:
+        made.add(scan)
+    return made
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the folder in which a person is. Home and temporary files are beside it."""
+    monkeypatch.setenv("HOME", str(tmp_path / "me"))
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path / "tmp"))
+    for name in ("here", "me", "tmp"):
+        (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    return tmp_path / "here"
+
+
+def test_a_recorded_drive_becomes_a_grid_and_a_room_that_are_read(folder: Path, giraff: Giraff) -> None:
+    recorded(folder / "drive.mcap", SCANS)
+    code, out, complaint = giraff("map", "make", "home.toml", "--from", "drive.mcap", "--json")
+    told = json.loads(out)
+    assert (code, complaint, told["good"], told["scanner"]) == (0, "", True, "laser")
+    assert names(".") == ["drive.mcap", *NAMES]
+    room, grid = (read_map(Path(f"home.{ending}")) for ending in ("toml", "yaml"))
+    assert room.name == "home"
+    assert room.bounds == pytest.approx((told["x"][0], told["y"][0], told["x"][1], told["y"][1]), abs=0.002)
+    assert room.bounds == pytest.approx(grid.bounds, abs=0.15)
+    left, bottom, right, top = room.bounds
+    assert (right - left, top - bottom) == pytest.approx((4.5, 5.5), abs=0.05) or (
+        (right - left, top - bottom) == pytest.approx((5.5, 4.5), abs=0.05)
+    )
+    shades = Image.open("home.pgm").histogram()
+    assert min(shades[0], shades[205], shades[254]) > 100
+    assert sum(shades) == shades[0] + shades[205] + shades[254]
+    assert giraff("map", "make", "home", "--from", "drive.mcap")[::2] == (
+        2,
+        "giraff: home.yaml is there already: name another file, or delete it first\n",
+    )
+
+
+def test_a_plan_that_lacks_something_is_written_and_says_what(folder: Path, giraff: Giraff) -> None:
+    recorded(folder / "drive.mcap", SCANS[:30])
+    code, out, _ = giraff("map", "make", "a home", "--from", "drive.mcap")
+    assert code == 1
+    assert "verdict  no place was seen a second time" in out
+    assert "next  giraff map show 'a home.toml'\n           giraff localize --map 'a home.toml'\n" in out
+    assert read_map(Path("a home.toml")).walls
+
+
+@pytest.mark.parametrize(
+    ("scans", "robot", "complaint"),
+    [
+        ([], MAPPED, "drive.mcap: it has no scan/*; record a drive with `giraff record` while giraff_scan runs"),
+        (SCANS[:9], ROBOT, "sim-test has no laser scanner in its robot file; write [robot.sensors.laser]"),
+        (list(drive(1.0, odom=None)), MAPPED, "the scans come without odometry; check that giraff_odometry runs"),
+        (list(drive(1.0, trouble=Trouble("stalls"))), MAPPED, "laser: stalls. Nothing was written"),
+        (
+            list(drive(1.0, sensor="x")),
+            MAPPED,
+            "a scanner x is heard, and the robot file has none of this name; give it this name",
+        ),
+    ],
+)
+def test_a_recording_of_no_drive_writes_nothing(
+    folder: Path, giraff: Giraff, scans: list[LaserScan], robot: RobotConfig, complaint: str
+) -> None:
+    if scans:
+        recorded(folder / "drive.mcap", scans, robot)
+    else:
+        recorded(folder / "drive.mcap", [MapWalls(map="hall", walls=())], robot, MAP)
+    code, out, error = giraff("map", "make", "home", "--from", "drive.mcap")
+    assert (code, out) == (2, "")
+    assert complaint in error
+    assert names(".") == ["drive.mcap"]
+
+
+@pytest.mark.parametrize(
+    ("name", "complaint"),
+    [
+        ("rooms", "rooms is a folder: give the plan a name in it, like rooms/home"),
+        ("none/home", "none/home.yaml cannot be written: there is no such folder; make it"),
+        (".", "is a folder"),
+        ("x" * 300, "is too long: give one of 200 characters at most"),
+    ],
+)
+def test_a_name_that_cannot_be_is_told_before_anybody_drives(
+    folder: Path, giraff: Giraff, name: str, complaint: str
+) -> None:
+    (folder / "rooms").mkdir()
+    code, _, error = giraff("map", "make", name)
+    assert code == 2
+    assert complaint in error
+
+
+def test_another_scanner_is_left_out_and_the_first_that_tells_anything_counts() -> None:
+    other = [msgspec.structs.replace(scan, trouble=Trouble("stalls")) for scan in SCANS[:3]]
+    renamed = [msgspec.structs.replace(scan, sensor="rear") for scan in SCANS]
+    made = Drive(msgspec.structs.replace(MAPPED, sensors=MAPPED.sensors | {"rear": MAPPED.sensors["laser"]}))
+    for scan in (*other, *renamed[:20], *SCANS[:3]):
+        made.add(scan)
+    assert (made.scanner, made.others, str(made.trouble)) == ("rear", {"laser"}, "")
+
+
+def test_a_drive_is_not_lost_where_its_name_or_its_folder_is_gone(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = driven()
+    stem = files.stem_of(Path("home"))
+    (folder / "home.pgm").write_text("mine")
+    assert finish.finish(made, stem, as_json=True) in {0, 1}
+    assert "giraff: home was taken meanwhile; the plan is home-2.toml" in capsys.readouterr().err
+    assert names(".") == ["home-2.pgm", "home-2.toml", "home-2.yaml", "home.pgm"]
+    write = write_file_durably
+
+    def full(path: Path, data: bytes) -> None:
+        if path.suffix == ".toml" and path.parent.name in {"", "me"}:
+            raise OSError(28, "No space left on device", str(path))
+        write(path, data)
+
+    monkeypatch.setattr(files, "write_file_durably", full)
+    finish.finish(made, Path("flat"), as_json=True)
+    assert "giraff: flat.toml: cannot be written: No space left on device; the plan is" in capsys.readouterr().err
+    assert names("../tmp") == ["flat.pgm", "flat.toml", "flat.yaml"]
+    assert names("../me") == []
+    assert len(names(".")) == 4
+    monkeypatch.setattr(files, "write_file_durably", lambda path, _: write(path / "x", b""))
+    assert finish.finish(made, Path("flat"), as_json=True) == 2
+    assert "nor in the home folder" in capsys.readouterr().err
+
+
+def test_a_second_ctrl_c_writes_nothing_and_a_closed_terminal_does(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = driven()
+    plan = made.plan
+
+    def interrupted(number: signal.Signals) -> Any:
+        for part in plan():
+            os.kill(os.getpid(), number)
+            yield part
+
+    monkeypatch.setattr(made, "plan", lambda: interrupted(signal.SIGINT))
+    assert finish.finish(made, folder / "home", as_json=True) == 2
+    assert capsys.readouterr().err == "giraff: ended by a second Ctrl-C. Nothing was written\n"
+    assert names(".") == []
+    monkeypatch.setattr(made, "plan", lambda: interrupted(signal.SIGHUP))
+    assert finish.finish(made, folder / "home", as_json=True) in {0, 1}
+    assert names(".") == NAMES
+
+
+class Host:
+    """As the `IO` of a service that nobody else hears."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.scans: Inbox[LaserScan] = Inbox(200)
+        self.said: dict[str, list[Any]] = {}
+        self.notices: dict[str, Trouble] = {}
+        self.left = False
+        self.frames: dict[str, Callable[[], Any]] = {}
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def inbox(self, topic: Topic[Any]) -> Inbox[LaserScan]:
+        assert topic is SCAN
+        return self.scans
+
+    def frame(self, child: str, where: Callable[[], Any]) -> None:
+        self.frames[child] = where
+
+    def publisher(self, topic: Topic[Any]) -> Any:
+        said = self.said[topic.key] = []
+
+        class Said:
+            put = staticmethod(said.append)
+
+        return Said()
+
+    def set_notice(self, name: str, trouble: Trouble) -> None:
+        self.notices[name] = trouble
+
+    def leave(self) -> None:
+        self.left = True
+
+
+class Remembering(ChangedLines):
+    """A screen that keeps each view, or is gone."""
+
+    def __init__(self) -> None:
+        super().__init__(as_json=False)
+        self.views: list[GrowingPlan] = []
+        self.is_gone = False
+
+    def show(self, view: GrowingPlan) -> None:
+        if self.is_gone:
+            raise BrokenPipeError
+        self.views.append(view)
+        super().show(view)
+
+
+def test_the_plan_grows_while_somebody_drives_and_is_kept_when_the_robot_is_lost(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("giraff_setup.map.make.live.discard_stdout", lambda: None)
+    host, screen, made = Host(), Remembering(), Drive(MAPPED)
+    service = PlanMaking(cast(Any, host), "robie", made, "home", screen, None)
+
+    def turns(scans: Sequence[LaserScan], seconds: float = 0.0) -> None:
+        for scan, _ in zip(scans or count(), range(len(scans) or round(seconds * 10)), strict=False):
+            if isinstance(scan, LaserScan):
+                host.scans.accept(scan)
+            for _ in range(2):
+                host.now += 0.05
+                service.turn(host.now)
+
+    turns([], 2.0)
+    assert host.said[POSE.key][-1].state == "no_map"
+    assert host.notices["scan"].what == screen.views[-1].pose.reason.what == "no scan is heard"
+    turns(SCANS[:ROUND])
+    pose: MapPose = host.said[POSE.key][-1]
+    walls: list[MapWalls] = [each for each in host.said[MAP.key] if each.walls]
+    assert (pose.state, pose.map, pose.tick) == ("localized", "home", SCANS[ROUND - 1].tick)
+    assert len({each.walls for each in walls}) > 1
+    assert (walls[-1].map, walls[-1].free) == ("home", None)
+    odom, told = host.frames["odom"](), SCANS[ROUND - 1].odom
+    assert told is not None
+    assert (odom.x, odom.y, odom.yaw) == (pose.odom.x, pose.odom.y, pose.odom.yaw)
+    assert made.way == pytest.approx(0.1 * ROUND, abs=0.4)
+    assert "loop" in screen.views[-1].words
+    turns([], 2.0)
+    pose = host.said[POSE.key][-1]
+    assert (pose.state, pose.reason.what) == ("lost", "no scan is heard")
+    assert screen.views[-1].words.endswith("; what was driven is kept")
+    assert not host.left
+    lines = capsys.readouterr().out.splitlines()
+    assert 3 < len(lines) < 8
+    screen.is_gone = True
+    turns([], 0.2)
+    assert host.left
+
+
+def test_where_no_scan_is_heard_or_the_time_is_over_it_ends() -> None:
+    for seconds, until in ((None, 10.2), (1.0, 1.2)):
+        host = Host()
+        service = PlanMaking(cast(Any, host), "robie", Drive(MAPPED), "home", Remembering(), seconds)
+        host.now += until - 0.4
+        service.turn(host.now)
+        assert not host.left
+        host.now += 0.4
+        service.turn(host.now)
+        assert host.left
