@@ -157,6 +157,14 @@ class Hello(_ToPage, frozen=True, kw_only=True, tag="hello"):
     room: Room | None = None
 
 
+class Plan(_ToPage, frozen=True, kw_only=True, tag="plan"):
+    """The floor plan that the robot is on, when a page opens and whenever it changes."""
+
+    map: str
+    walls: Lines
+    """m, in `map`."""
+
+
 class Direction(msgspec.Struct, frozen=True, kw_only=True):
     """The guard's verdict on one way."""
 
@@ -324,4 +332,4 @@ class OpenPages(_ToPage, frozen=True, kw_only=True, tag="pages"):
     pages: tuple[OpenPage, ...]
 
 
-ToPage = Hello | State | Refused | Looking | OpenPages
+ToPage = Hello | State | Plan | Refused | Looking | OpenPages

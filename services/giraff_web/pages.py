@@ -5,7 +5,7 @@ from typing import NamedTuple, Protocol
 
 from giraff_core.io import Selectable
 from giraff_schemas.messages import EStop
-from giraff_web.messages import Hello, LetGo, Look, Looking, PageWish, PictureSeen, Refused, Reset, State
+from giraff_web.messages import Hello, LetGo, Look, Looking, PageWish, PictureSeen, Plan, Refused, Reset, State
 
 
 class Opened(NamedTuple):
@@ -57,7 +57,7 @@ class Pages(Selectable, Protocol):
         """Answer those whose stop an earlier turn has taken: base says in this turn that it stands."""
         ...
 
-    def send(self, page: int, message: Hello | Refused | Looking) -> None:
+    def send(self, page: int, message: Hello | Plan | Refused | Looking) -> None:
         """Tell one page; nothing when it is gone."""
         ...
 

@@ -11,6 +11,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.senses import SENSED
 from giraff_core.timer import Timer
 from giraff_schemas.camera import CameraState
+from giraff_schemas.localization import MapWalls
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
@@ -22,6 +23,7 @@ from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
     GUARD,
+    MAP,
     ODOM,
     POSE,
     Topic,
@@ -30,7 +32,7 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.camera import PageCameras
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
-from giraff_web.messages import Hello, LetGo, Look, PageWish, PictureSeen, Refused, Reset, Room
+from giraff_web.messages import Hello, LetGo, Look, PageWish, PictureSeen, Plan, Refused, Reset, Room
 from giraff_web.pages import Closed, Event, Opened, Pages, Said, StopAsked
 from giraff_web.picture import Picture
 from giraff_web.policy import NOBODY, WebPolicy
@@ -70,13 +72,17 @@ class Web(OperatorService):
         self.link = pages
         told: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), CAMERA_STATE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
-        newest: list[Topic[Any]] = [ODOM, ATTITUDE, POSE]
+        newest: list[Topic[Any]] = [ODOM, ATTITUDE, POSE, MAP]
         self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
         self._show_timer = Timer(SHOWN_HZ)
         self.timers = (self.timer, self._show_timer)
         self._lost: dict[int, Trouble] = {}
         self._driver = NOBODY
         self._lookers = ""
+        self._open: set[int] = set()
+        """Pages that are open."""
+        self._plan: Plan | None = None
+        """Floor plan that was heard last."""
 
     def turn(self, now: float) -> None:
         policy = self._policy
@@ -87,6 +93,9 @@ class Web(OperatorService):
         for sample in (sample for inbox in self._told for sample in inbox.pop_all()):
             if isinstance(sample, CameraState):
                 self._looking.on_state(sample, now)
+                continue
+            if isinstance(sample, MapWalls):
+                self._on_walls(sample)
                 continue
             self._picture.on_sample(sample, now)
             if isinstance(sample, EStop):
@@ -117,8 +126,12 @@ class Web(OperatorService):
             case Opened():
                 policy.on_opened(event.page, event.device, may_drive=event.may_drive)
                 self._pages.send(event.page, self._hello(event))
+                self._open.add(event.page)
+                if self._plan is not None:
+                    self._pages.send(event.page, self._plan)
             case Closed():
                 policy.on_closed(event.page)
+                self._open.discard(event.page)
                 self._looking.on_closed(event.page)
                 self._lost.pop(event.page, None)
             case StopAsked():
@@ -129,6 +142,15 @@ class Web(OperatorService):
             case Said():
                 self._take_said(event, now)
                 self.timer.fire_now("page", now)
+
+    def _on_walls(self, walls: MapWalls) -> None:
+        """Tell all pages a plan that is another than before: it is said every five seconds."""
+        lines = tuple(((x, y), (end_x, end_y)) for x, y, end_x, end_y in walls.walls)
+        plan = Plan(map=walls.map, walls=lines)
+        if plan != self._plan:
+            self._plan = plan
+            for page in self._open:
+                self._pages.send(page, plan)
 
     def _take_said(self, said: Said, now: float) -> None:
         page, policy = said.page, self._policy

@@ -22,7 +22,20 @@ from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from giraff_web.config import WebConfig
-from giraff_web.messages import FromPage, Hello, Input, LetGo, Looking, PageWish, Reading, Refused, Reset, State, ToPage
+from giraff_web.messages import (
+    FromPage,
+    Hello,
+    Input,
+    LetGo,
+    Looking,
+    PageWish,
+    Plan,
+    Reading,
+    Refused,
+    Reset,
+    State,
+    ToPage,
+)
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 from giraff_web.service import Web
 from tests.loop.loops import COARSE_STEP_US, GRAVITY, SETTINGS, SeenRobot
@@ -57,6 +70,7 @@ class Browser:
         self.tilted = (0.0, 0.0)
         """Degrees that the phone dips forward and left."""
         self.hung = False
+        self.plans: list[Plan] = []
         self.said: list[Said] = []
         """All of it, in its order."""
         self._holds = 0
@@ -187,11 +201,13 @@ class Browsers:
     def send_picture(self, page: int, data: bytes) -> None:
         raise AssertionError(f"page {page} does not look, and is sent {len(data)} bytes")
 
-    def send(self, page: int, message: Hello | Refused | Looking) -> None:
+    def send(self, page: int, message: Hello | Plan | Refused | Looking) -> None:
         if page not in self.open:
             return
         if isinstance(message, Hello):
             self.open[page].hello = message
+        elif isinstance(message, Plan):
+            self.open[page].plans.append(message)
         elif isinstance(message, Refused):
             self.open[page].refusals.append(message.why)
 

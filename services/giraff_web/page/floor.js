@@ -38,6 +38,11 @@ export function roomPlace({ map, room_fits }, room) {
   return [cos * east + sin * north, cos * north - sin * east, yaw];
 }
 
+/** What is drawn around the robot: the floor plan where it is known to be on it, else the room, which may be null. */
+export function surroundings({ map }, room, plan) {
+  return map && isPlaced(map) && plan?.map === map.map && plan.walls.length ? { ...plan, start: [0, 0, 0] } : room;
+}
+
 /** The path in odom; it begins anew where the pose was set from outside. */
 export class Trail {
   constructor() {
@@ -85,7 +90,7 @@ export class Floor {
   }
 
   /** Draw what has changed. `linked`: it is of now. */
-  draw(hello, state, trail, linked) {
+  draw(hello, state, trail, linked, plan = null) {
     if (!this._changed || !this._canvas.width) return;
     this._changed = false;
     const pen = this._pen;
@@ -99,7 +104,8 @@ export class Floor {
     pen.setTransform(0, -this._scale, -this._scale, 0, width / 2, height / 2);
     pen.globalAlpha = linked ? 1 : 0.35;
     this._rings();
-    if (state.pose) this._around(state.pose, hello.room, hello.room && roomPlace(state, hello.room), trail);
+    const room = surroundings(state, hello.room, plan);
+    if (state.pose) this._around(state.pose, room, room && roomPlace(state, room), trail);
     const evidence = Object.values(state.evidence);
     for (const view of evidence) this._area(view);
     this._robot(hello, state);

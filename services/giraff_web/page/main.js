@@ -23,6 +23,7 @@ const modes = ["tilt", "pad", "keys", "gamepad"];
 
 const at = {
   hello: /** @type {any} */ (null),
+  plan: /** @type {any} */ (null),
   state: /** @type {any} */ (null),
   arrived: -Infinity,
   linked: false,
@@ -74,6 +75,7 @@ function onMessage(message) {
   changed = true;
   if (message.type === "hello") {
     at.hello = message;
+    at.plan = null;
     at.me = message.page;
     at.mayDrive = message.may_drive;
     if (message.may_drive) at.session = "";
@@ -93,6 +95,9 @@ function onMessage(message) {
     picture.onState(message, now);
     floor.touch();
     link.say({ type: "seen", n: message.n });
+  } else if (message.type === "plan") {
+    at.plan = message;
+    floor.touch();
   } else if (message.type === "pages") {
     others.onPages(message.pages, at.me);
   } else if (message.type === "looking") {
@@ -157,7 +162,7 @@ function frame() {
   gamepads.onFrame(pads, now);
   hand.onFrame(now);
   if (changed || hand.hold !== at.hold || picture.hasAged(now)) draw(now);
-  floor.draw(at.hello, at.state, trail, at.linked);
+  floor.draw(at.hello, at.state, trail, at.linked, at.plan);
   const field = byId(at.input);
   if (at.input === "keys") keys.draw(field, hand);
   else if (at.input === "gamepad") gamepad.draw(field, hand, pads);

@@ -11,7 +11,19 @@ from aiohttp import WSMsgType, web
 
 from giraff_schemas.text import plain
 from giraff_web.limits import Limits, Rate, SendWindow
-from giraff_web.messages import LARGEST, End, FromPage, Hello, Looking, OpenPage, OpenPages, Refused, StateSeen, Stop
+from giraff_web.messages import (
+    LARGEST,
+    End,
+    FromPage,
+    Hello,
+    Looking,
+    OpenPage,
+    OpenPages,
+    Plan,
+    Refused,
+    StateSeen,
+    Stop,
+)
 from giraff_web.pages import Event, Said, StopAsked
 
 BAD_MESSAGE: Final = 4400
@@ -86,6 +98,7 @@ class Connection:
         self._sent = -1
         self._state: Shown | None = None
         self._picture: bytes | None = None
+        self._plan: bytes | None = None
         self._told: deque[bytes] = deque(maxlen=_MOST_TOLD)
         self._greeted = False
         self._silenced = False
@@ -107,11 +120,14 @@ class Connection:
         """This page, as others are told of it."""
         return OpenPage(page=self.page, device=self.device, may_drive=self.may_drive, age=now - self._opened)
 
-    def send(self, message: Hello | Refused | Looking | OpenPages) -> None:
+    def send(self, message: Hello | Plan | Refused | Looking | OpenPages) -> None:
         self._greeted = self._greeted or isinstance(message, Hello)
         if isinstance(message, Looking) and not message.on:
             self._picture = None  # it looks no longer, and its link may be slow
-        self._told.append(msgspec.json.encode(message))
+        if isinstance(message, Plan):
+            self._plan = msgspec.json.encode(message)
+        else:
+            self._told.append(msgspec.json.encode(message))
         self._news.set()
 
     def send_picture(self, data: bytes) -> None:
@@ -197,7 +213,7 @@ class Connection:
                 await self.socket.send_frame(*found)
 
     def _next(self) -> tuple[bytes, WSMsgType] | None:
-        """What is to be sent now. A picture waits for all else: it takes a slow link for long."""
+        """Return the next frame. A plan and a picture wait for all else: they take a slow link for long."""
         if self._told:
             return self._told.popleft(), WSMsgType.TEXT
         if not self._greeted or not self._send_window.allows():
@@ -207,6 +223,9 @@ class Connection:
             self._sent = state.n
             self._send_window.sent(state.n, self._loop.time())
             return state.data, WSMsgType.TEXT
+        if self._plan is not None:
+            plan, self._plan = self._plan, None
+            return plan, WSMsgType.TEXT
         picture, self._picture = self._picture, None
         return None if picture is None else (picture, WSMsgType.BINARY)
 

@@ -28,17 +28,27 @@ from giraff_setup.map.make import files, finish
 from giraff_setup.map.make.drive import Drive
 from giraff_setup.map.make.live import PlanMaking
 from giraff_setup.map.make.view import ChangedLines, GrowingPlan
+from giraff_tools.terminal.screen import View
 from tests.support.robots import ROBOT
+from tests.support.scan_drives import SCANNER, drive
+from tests.support.scan_worlds import home
 from tests.unit.cli.typed import Giraff, giraff
+from tests.unit.maps.grids import off
 from tests.unit.mcap.recordings import ABOUT, BEGAN_NS
-from tests.unit.setup.mapped import MAPPED, drive
 
 __all__ = ["giraff"]
 
 NAMES = ["home.pgm", "home.toml", "home.yaml"]
-SCANS = list(drive())
-ROUND = 80
-"""Scans of a little more than once round the table."""
+MAPPED = msgspec.structs.replace(ROBOT, sensors={**ROBOT.sensors, "laser": SCANNER})
+ROUTE = [(1.5, 2.2), (1.5, 1.4), (3.0, 1.4), (3.6, 2.9), (2.2, 3.2), (1.5, 2.2), (1.5, 1.4), (3.0, 1.4)]
+"""Round the living room, and on where it came before."""
+SCANS = drive(home("living_room"), 1, route=ROUTE).scans
+ROUND = 140
+"""Scans of the way round."""
+
+
+def with_all(scans: Sequence[LaserScan], **fields: Any) -> list[LaserScan]:
+    return [msgspec.structs.replace(scan, **fields) for scan in scans]
 
 
 def names(folder: str) -> list[str]:
@@ -91,11 +101,9 @@ def test_a_recorded_drive_becomes_a_grid_and_a_room_that_are_read(folder: Path, 
     room, grid = (read_map(Path(f"home.{ending}")) for ending in ("toml", "yaml"))
     assert room.name == "home"
     assert room.bounds == pytest.approx((told["x"][0], told["y"][0], told["x"][1], told["y"][1]), abs=0.002)
-    assert room.bounds == pytest.approx(grid.bounds, abs=0.15)
+    assert max(off(room.walls, grid.walls, 0.2)) < 0.15
     left, bottom, right, top = room.bounds
-    assert (right - left, top - bottom) == pytest.approx((4.5, 5.5), abs=0.05) or (
-        (right - left, top - bottom) == pytest.approx((5.5, 4.5), abs=0.05)
-    )
+    assert sorted((right - left, top - bottom)) == pytest.approx([6.0, 6.05], abs=0.1)
     shades = Image.open("home.pgm").histogram()
     assert min(shades[0], shades[205], shades[254]) > 100
     assert sum(shades) == shades[0] + shades[205] + shades[254]
@@ -106,7 +114,7 @@ def test_a_recorded_drive_becomes_a_grid_and_a_room_that_are_read(folder: Path, 
 
 
 def test_a_plan_that_lacks_something_is_written_and_says_what(folder: Path, giraff: Giraff) -> None:
-    recorded(folder / "drive.mcap", SCANS[:30])
+    recorded(folder / "drive.mcap", SCANS[:60])
     code, out, _ = giraff("map", "make", "a home", "--from", "drive.mcap")
     assert code == 1
     assert "verdict  no place was seen a second time" in out
@@ -119,10 +127,10 @@ def test_a_plan_that_lacks_something_is_written_and_says_what(folder: Path, gira
     [
         ([], MAPPED, "drive.mcap: it has no scan/*; record a drive with `giraff record` while giraff_scan runs"),
         (SCANS[:9], ROBOT, "sim-test has no laser scanner in its robot file; write [robot.sensors.laser]"),
-        (list(drive(1.0, odom=None)), MAPPED, "the scans come without odometry; check that giraff_odometry runs"),
-        (list(drive(1.0, trouble=Trouble("stalls"))), MAPPED, "laser: stalls. Nothing was written"),
+        (with_all(SCANS[:9], odom=None), MAPPED, "the scans come without odometry; check that giraff_odometry runs"),
+        (with_all(SCANS[:9], trouble=Trouble("laser stalls")), MAPPED, "laser stalls. Nothing was written"),
         (
-            list(drive(1.0, sensor="x")),
+            with_all(SCANS[:9], sensor="x"),
             MAPPED,
             "a scanner x is heard, and the robot file has none of this name; give it this name",
         ),
@@ -160,10 +168,8 @@ def test_a_name_that_cannot_be_is_told_before_anybody_drives(
 
 
 def test_another_scanner_is_left_out_and_the_first_that_tells_anything_counts() -> None:
-    other = [msgspec.structs.replace(scan, trouble=Trouble("stalls")) for scan in SCANS[:3]]
-    renamed = [msgspec.structs.replace(scan, sensor="rear") for scan in SCANS]
     made = Drive(msgspec.structs.replace(MAPPED, sensors=MAPPED.sensors | {"rear": MAPPED.sensors["laser"]}))
-    for scan in (*other, *renamed[:20], *SCANS[:3]):
+    for scan in (*with_all(SCANS[:3], trouble=Trouble("stalls")), *with_all(SCANS[:20], sensor="rear"), *SCANS[:3]):
         made.add(scan)
     assert (made.scanner, made.others, str(made.trouble)) == ("rear", {"laser"}, "")
 
@@ -255,13 +261,14 @@ class Remembering(ChangedLines):
     """A screen that keeps each view, or is gone."""
 
     def __init__(self) -> None:
-        super().__init__(as_json=False)
+        super().__init__(15.0)
         self.views: list[GrowingPlan] = []
         self.is_gone = False
 
-    def show(self, view: GrowingPlan) -> None:
+    def show(self, view: View) -> None:
         if self.is_gone:
             raise BrokenPipeError
+        assert isinstance(view, GrowingPlan)
         self.views.append(view)
         super().show(view)
 
@@ -271,7 +278,7 @@ def test_the_plan_grows_while_somebody_drives_and_is_kept_when_the_robot_is_lost
 ) -> None:
     monkeypatch.setattr("giraff_setup.map.make.live.discard_stdout", lambda: None)
     host, screen, made = Host(), Remembering(), Drive(MAPPED)
-    service = PlanMaking(cast(Any, host), "robie", made, "home", screen, None)
+    service = PlanMaking(cast(Any, host), "robie", made, "home", screen, None, as_json=False)
 
     def turns(scans: Sequence[LaserScan], seconds: float = 0.0) -> None:
         for scan, _ in zip(scans or count(), range(len(scans) or round(seconds * 10)), strict=False):
@@ -293,7 +300,7 @@ def test_the_plan_grows_while_somebody_drives_and_is_kept_when_the_robot_is_lost
     odom, told = host.frames["odom"](), SCANS[ROUND - 1].odom
     assert told is not None
     assert (odom.x, odom.y, odom.yaw) == (pose.odom.x, pose.odom.y, pose.odom.yaw)
-    assert made.way == pytest.approx(0.1 * ROUND, abs=0.4)
+    assert made.way > 3.0
     assert "loop" in screen.views[-1].words
     turns([], 2.0)
     pose = host.said[POSE.key][-1]
@@ -301,7 +308,7 @@ def test_the_plan_grows_while_somebody_drives_and_is_kept_when_the_robot_is_lost
     assert screen.views[-1].words.endswith("; what was driven is kept")
     assert not host.left
     lines = capsys.readouterr().out.splitlines()
-    assert 3 < len(lines) < 8
+    assert 3 <= len(lines) <= 5
     screen.is_gone = True
     turns([], 0.2)
     assert host.left
@@ -310,7 +317,7 @@ def test_the_plan_grows_while_somebody_drives_and_is_kept_when_the_robot_is_lost
 def test_where_no_scan_is_heard_or_the_time_is_over_it_ends() -> None:
     for seconds, until in ((None, 10.2), (1.0, 1.2)):
         host = Host()
-        service = PlanMaking(cast(Any, host), "robie", Drive(MAPPED), "home", Remembering(), seconds)
+        service = PlanMaking(cast(Any, host), "robie", Drive(MAPPED), "home", Remembering(), seconds, as_json=True)
         host.now += until - 0.4
         service.turn(host.now)
         assert not host.left

@@ -61,7 +61,7 @@ class Drive:
             self.scanner, self._turns = scan.sensor, Turns(known)
         if scan.sensor != self.scanner or self._turns is None:
             self.others.add(scan.sensor)
-            self.trouble = self.trouble if self.scanner else scan.trouble.of(scan.sensor)
+            self.trouble = self.trouble if self.scanner else scan.trouble
             return
         turn = self._turns.add(scan)
         if turn is not None:
@@ -69,7 +69,7 @@ class Drive:
             self._odom, self.tick = turn.odom, scan.tick
             self.trouble = self.mapper.trouble
         elif scan.trouble or scan.odom is None:
-            self.trouble = scan.trouble.of(scan.sensor) if scan.trouble else _NO_ODOMETRY
+            self.trouble = scan.trouble or _NO_ODOMETRY
 
     @property
     def way(self) -> float:

@@ -7,6 +7,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Final
 
+import msgspec
+
 from giraff_core.io import IO
 from giraff_core.timer import Timer
 from giraff_localization.config import LocalizationConfig
@@ -18,17 +20,18 @@ from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import MAP, POSE, SCAN
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_setup.map.make.drive import NO_SCAN, Drive
 from giraff_setup.map.make.files import stem_of
 from giraff_setup.map.make.finish import finish
-from giraff_setup.map.make.view import GrowingPlan, PlanScreen, screen_of
+from giraff_setup.map.make.view import GrowingPlan, screen_of
 from giraff_setup.map.make.words import now_text
 from giraff_tools.network.command import print_error, run_with_robot
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.limits import ask_limits
 from giraff_tools.network.localization import require_none
 from giraff_tools.terminal.output import discard_stdout
+from giraff_tools.terminal.screen import Screen
 
 _PATIENCE: Final = 10.0
 """s for the first scan that tells a place."""
@@ -58,12 +61,15 @@ def make(name: Path, robot: str | None, connect: Sequence[str], seconds: float |
             drive = Drive(limits)
         except MapError as error:
             return print_error(str(error))
-        settings = Settings(LocalizationConfig(map=stem.name), limits, connection.network)
+        # As of a door's client, which its session is: another address of this host must not begin the program anew.
+        network = msgspec.structs.replace(connection.network, client=True)
+        settings = Settings(LocalizationConfig(map=stem.name), limits, network)
         with Node(LOCALIZATION.name, settings, session=connection.session) as node:
             signal.signal(signal.SIGHUP, lambda *_: node.leave())
             with closing(screen_of(as_json=as_json)) as screen:
                 try:
-                    node.run(PlanMaking(node, connection.robot, drive, stem.name, screen, seconds))
+                    making = PlanMaking(node, connection.robot, drive, stem.name, screen, seconds, as_json=as_json)
+                    node.run(making)
                 except Exception as error:  # noqa: BLE001  what was driven is written, whatever it is
                     print_error(f"ended by {type(error).__name__}: {error}; what was driven is kept")
             return finish(drive, stem, as_json=as_json)
@@ -76,8 +82,11 @@ class PlanMaking:
 
     link = None
 
-    def __init__(self, io: IO, robot: str, drive: Drive, name: str, screen: PlanScreen, seconds: float | None) -> None:
+    def __init__(
+        self, io: IO, robot: str, drive: Drive, name: str, screen: Screen, seconds: float | None, *, as_json: bool
+    ) -> None:
         """`name`: of the plan. `seconds`: until it ends. None: it goes on."""
+        self._as_json = as_json
         self._io, self._robot, self._drive, self._name, self._screen = io, robot, drive, name, screen
         self._scans = io.inbox(SCAN)
         self._transform: Transform | None = None
@@ -89,7 +98,7 @@ class PlanMaking:
         )
         self._began = io.monotonic()
         self._until = self._began + (math.inf if seconds is None else seconds)
-        self._heard = -math.inf
+        self._heard = self._began
         self._plan: MadePlan | None = None
         self._walls: FloorPlan | None = None
         self._parts: Iterator[MadePlan | float] | None = None
@@ -141,7 +150,9 @@ class PlanMaking:
         self._map.put(MapWalls(map=self._name, walls=self._plan.walls if self._plan is not None else ()))
 
     def _trouble(self, now: float) -> Trouble:
-        return NO_SCAN if now - max(self._heard, self._began) > _SILENCE else self._drive.trouble
+        if now - self._heard > _SILENCE:
+            return NO_SCAN
+        return self._drive.trouble if self._heard > self._began else NO_TROUBLE
 
     def _pose_sample(self, now: float) -> MapPose:
         drive, trouble = self._drive, self._trouble(now)
@@ -173,7 +184,6 @@ class PlanMaking:
     def _show(self, now: float) -> None:
         figures = self._plan.figures if self._plan is not None else None
         words = now_text(self._drive, self._trouble(now), figures)
-        loops = figures.loops if figures is not None else 0
         view = GrowingPlan(
             robot=self._robot,
             elapsed=now - self._began,
@@ -181,7 +191,7 @@ class PlanMaking:
             pose=self._pose_sample(now),
             walls=self._walls,
             way=self._drive.way,
-            loops=loops,
+            as_json=self._as_json,
         )
         try:
             self._screen.show(view)

@@ -1,9 +1,11 @@
 """Shows a plan while it grows: drawn in a terminal, else a line now and then, or objects for programs."""
 
+import math
+import re
 import shutil
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final, Protocol
+from typing import Final
 
 import msgspec
 from rich.console import Group, RenderableType
@@ -14,14 +16,18 @@ from giraff_schemas.localization import MapPose
 from giraff_schemas.text import printable
 from giraff_tools.terminal.dots import takes_dots
 from giraff_tools.terminal.floor import FloorDrawing
-from giraff_tools.terminal.screen import Terminal, open_screen
+from giraff_tools.terminal.screen import Screen, Terminal, View, open_screen
 from giraff_tools.terminal.text import json_line
 
 _LARGEST: Final = 80, 24
 """Columns and lines of the floor plan."""
 _WORDS: Final = 5
 """Lines of the terminal that the plan leaves to the words."""
+_FIGURES: Final = re.compile(r"\d+")
 _QUIET: Final = 3.0  # s between two lines
+_SAME: Final = 15.0  # s between two that differ in figures alone
+_TOLD: Final = ("map", "state", "reason", "x", "y", "yaw")
+"""Fields of the pose that programs are told."""
 _drawing = lru_cache(maxsize=2)(FloorDrawing)
 
 
@@ -38,7 +44,8 @@ class GrowingPlan:
     """None: there are none yet."""
     way: float
     """m driven."""
-    loops: int
+    as_json: bool
+    """Programs read its lines."""
 
     def render(self) -> RenderableType:
         style = "green" if self.pose.state == "localized" else "yellow"
@@ -50,44 +57,35 @@ class GrowingPlan:
         return Group(_drawing(self.walls, *size, dots=takes_dots()).draw(self.pose, style), words)
 
     def line(self) -> str:
-        return printable(f"{self.elapsed:6.1f} s | {self.robot} | {self.words}")
-
-    def document(self) -> str:
-        pose = self.pose
-        where = {"x": pose.x, "y": pose.y, "yaw": pose.yaw}
-        told = {"robot": self.robot, "state": pose.state, "reason": msgspec.to_builtins(pose.reason), **where}
-        return json_line(told | {"way": self.way, "loops": self.loops})
-
-
-class PlanScreen(Protocol):
-    """Raises OSError from `show` when nobody can see it any more."""
-
-    def show(self, view: GrowingPlan) -> None: ...
-
-    def close(self) -> None: ...
+        if not self.as_json:
+            return printable(f"{self.elapsed:6.1f} s | {self.robot} | {self.words}")
+        pose = msgspec.to_builtins(self.pose)
+        return json_line({"robot": self.robot, **{name: pose[name] for name in _TOLD}, "way": self.way})
 
 
 class ChangedLines:
-    """A line when what is said has changed, and some seconds have gone by."""
+    """A line each few seconds, and more seldom where nothing but figures has changed."""
 
-    def __init__(self, *, as_json: bool) -> None:
-        self._as_json = as_json
-        self._words = ""
-        self._next = 0.0
+    def __init__(self, same: float) -> None:
+        """`same`: s between two lines that differ in figures alone."""
+        self._same = same
+        self._told = ""
+        self._last = -math.inf
 
-    def show(self, view: GrowingPlan) -> None:
-        if view.elapsed >= self._next and view.words != self._words:
-            self._words, self._next = view.words, view.elapsed + _QUIET
-            print(view.document() if self._as_json else view.line(), flush=True)
+    def show(self, view: View) -> None:
+        line = view.line()
+        told = _FIGURES.sub("", line)
+        if view.elapsed - self._last >= (self._same if told == self._told else _QUIET):
+            self._told, self._last = told, view.elapsed
+            print(line, flush=True)
 
     def close(self) -> None:
         """Nothing is left to restore."""
 
 
-def screen_of(*, as_json: bool) -> PlanScreen:
+def screen_of(*, as_json: bool) -> Screen:
     """Return what standard output is good for, and was asked for."""
-    if not as_json:
-        screen = open_screen(page=False)
-        if isinstance(screen, Terminal):
-            return screen
-    return ChangedLines(as_json=as_json)
+    if as_json:
+        return ChangedLines(_QUIET)
+    screen = open_screen(page=False)
+    return screen if isinstance(screen, Terminal) else ChangedLines(_SAME)

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Floor, ellipse, roomPlace, steadyScale } from "../../../../services/giraff_web/page/floor.js";
+import { Floor, ellipse, roomPlace, steadyScale, surroundings } from "../../../../services/giraff_web/page/floor.js";
 import * as words from "../../../../services/giraff_web/page/words.js";
 
 const trouble = (what, remedy = "", action = "", argument = "") => ({ what, remedy, action, argument });
@@ -162,6 +162,19 @@ test("the room is where the map has it, else where odometry began, else nowhere"
   assert.deepEqual([by(true, null), by(false, null)], [["0.00", "0.00", "0.00"], undefined]);
   for (const other of [{ state: "lost" }, { map: "attic" }]) assert.equal(by(false, { ...map, ...other }), undefined);
   for (const state of ["localized", "told"]) assert.deepEqual(by(false, { ...map, state }), ["0.00", "-1.00", "-1.57"]);
+});
+
+test("the floor plan is drawn once the robot is known to be on it, and is another when its walls are", () => {
+  const [room, plan] = [{ walls: [], map: "flat", start: [2, 1, 0] }, { map: "flat", walls: [[[0, 0], [1, 0]]] }];
+  const map = { state: "localized", map: "flat", odom: [1, 1, 0] };
+  assert.deepEqual(roomPlace({ map }, surroundings({ map }, room, plan)), [-1, -1, 0]);
+  const grown = { ...plan, walls: [...plan.walls, [[1, 0], [1, 1]]] };
+  assert.deepEqual(surroundings({ map }, null, grown).walls, grown.walls);
+  for (const state of ["lost", "ambiguous"]) assert.equal(surroundings({ map: { ...map, state } }, room, plan), room);
+  for (const other of [null, { ...plan, map: "attic" }, { ...plan, walls: [] }]) {
+    assert.equal(surroundings({ map }, room, other), room);
+  }
+  assert.equal(surroundings({ map: null }, null, plan), null);
 });
 
 test("the plan keeps its scale beside a text that comes and goes, and its ellipse holds 95 %", () => {
