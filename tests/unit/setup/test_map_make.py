@@ -128,6 +128,7 @@ def test_a_plan_that_lacks_something_is_written_and_says_what(folder: Path, gira
         ([], MAPPED, "drive.mcap: it has no scan/*; record a drive with `giraff record` while giraff_scan runs"),
         (SCANS[:9], ROBOT, "sim-test has no laser scanner in its robot file; write [robot.sensors.laser]"),
         (with_all(SCANS[:9], odom=None), MAPPED, "the scans come without odometry; check that giraff_odometry runs"),
+        (with_all(SCANS[:9], ranges=bytes(900)), MAPPED, "laser sees no walls; drive where they are within its reach"),
         (with_all(SCANS[:9], trouble=Trouble("laser stalls")), MAPPED, "laser stalls. Nothing was written"),
         (
             with_all(SCANS[:9], sensor="x"),

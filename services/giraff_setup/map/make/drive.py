@@ -12,7 +12,7 @@ from giraff_maps.scan.plan import MadePlan, make_plan
 from giraff_maps.scan.turns import Turns
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.scan import LaserScan
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 NO_SCAN: Final = Trouble(
     "no scan is heard", "check that giraff_scan runs, that the scanner turns, and the network to the robot"
@@ -58,7 +58,7 @@ class Drive:
                 )
             return
         if not self.scanner and not scan.trouble:
-            self.scanner, self._turns = scan.sensor, Turns(known)
+            self.scanner, self._turns, self.trouble = scan.sensor, Turns(known), NO_TROUBLE
         if scan.sensor != self.scanner or self._turns is None:
             self.others.add(scan.sensor)
             self.trouble = self.trouble if self.scanner else scan.trouble

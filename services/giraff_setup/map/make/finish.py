@@ -35,7 +35,8 @@ def _giving_up() -> Iterator[list[int]]:
 def finish(drive: Drive, stem: Path, *, as_json: bool, is_whole: bool = True) -> int:
     """Return the exit code. `stem`: path of the plan without an ending. `is_whole`: nothing of the drive is missing."""
     if not drive.mapper.keys:
-        return print_error(f"{drive.trouble}. Nothing was written")
+        why = drive.trouble or f"{drive.scanner} sees no walls; drive where they are within its reach"
+        return print_error(f"{why}. Nothing was written")
     with _giving_up() as given_up:
         plan = _drawn(drive, given_up)
         if plan is None:

@@ -152,7 +152,7 @@ class PlanMaking:
     def _trouble(self, now: float) -> Trouble:
         if now - self._heard > _SILENCE:
             return NO_SCAN
-        return self._drive.trouble if self._heard > self._began else NO_TROUBLE
+        return self._drive.trouble if self._drive.trouble is not NO_SCAN else NO_TROUBLE
 
     def _pose_sample(self, now: float) -> MapPose:
         drive, trouble = self._drive, self._trouble(now)
@@ -169,7 +169,7 @@ class PlanMaking:
             way=0.0,
             particles=0,
             map=self._name,
-            reason=trouble if drive.tick is not None else trouble or NO_SCAN,
+            reason=trouble,
             tick=drive.tick,
         )
 

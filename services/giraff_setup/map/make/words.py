@@ -48,7 +48,8 @@ def _rows(drive: Drive, plan: "MadePlan", files: PlanFiles) -> Iterator[tuple[st
     figures, room = plan.figures, shlex.quote(str(files.toml))
     left, bottom, right, top = FloorPlan("", plan.walls).bounds
     yield "size", f"{right - left:.1f} x {top - bottom:.1f} m, {counted(len(plan.walls), 'straight wall')}"
-    yield "way", f"{figures.way:.1f} m, {counted(figures.key_turns, 'turn')} of {drive.scanner} kept"
+    others = f"; {' and '.join(sorted(drive.others))} left out" if drive.others else ""
+    yield "way", f"{figures.way:.1f} m, {counted(figures.key_turns, 'turn')} of {drive.scanner} kept{others}"
     gap = f", the worst one {figures.loop_gap * 100.0:.1f} cm off" if figures.loops else ""
     yield "loops", f"{figures.loops}{gap}"
     yield "doubles", f"{figures.doubles:.1%} of the walls stand twice"
