@@ -145,8 +145,8 @@ class Web(OperatorService):
 
     def _on_walls(self, walls: MapWalls) -> None:
         """Tell all pages a plan that is another than before: it is said every five seconds."""
-        lines = tuple(((x, y), (end_x, end_y)) for x, y, end_x, end_y in walls.walls)
-        plan = Plan(map=walls.map, walls=lines)
+        rounded = ([round(value, 3) for value in wall] for wall in walls.walls)
+        plan = Plan(map=walls.map, walls=tuple(((x, y), (end_x, end_y)) for x, y, end_x, end_y in rounded))
         if plan != self._plan:
             self._plan = plan
             for page in self._open:

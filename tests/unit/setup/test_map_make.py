@@ -103,7 +103,8 @@ def test_a_recorded_drive_becomes_a_grid_and_a_room_that_are_read(folder: Path, 
     assert room.bounds == pytest.approx((told["x"][0], told["y"][0], told["x"][1], told["y"][1]), abs=0.002)
     assert max(off(room.walls, grid.walls, 0.2)) < 0.15
     left, bottom, right, top = room.bounds
-    assert sorted((right - left, top - bottom)) == pytest.approx([6.0, 6.05], abs=0.1)
+    assert 5.9 < right - left < 6.3
+    assert 5.9 < top - bottom < 6.3
     shades = Image.open("home.pgm").histogram()
     assert min(shades[0], shades[205], shades[254]) > 100
     assert sum(shades) == shades[0] + shades[205] + shades[254]
