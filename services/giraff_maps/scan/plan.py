@@ -46,7 +46,7 @@ class Figures(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class MadePlan(NamedTuple):
-    """A floor plan whose axes lie along the walls."""
+    """A floor plan."""
 
     grid: OccupancyGrid
     walls: tuple[Wall, ...]
@@ -56,12 +56,13 @@ class MadePlan(NamedTuple):
     figures: Figures
 
 
-def make_plan(mapper: Mapper, mount: Pose) -> Iterator[MadePlan | float]:
+def make_plan(mapper: Mapper, mount: Pose, start: Pose | None = None) -> Iterator[MadePlan | float]:
     """Yield the share that is done (0..1) after each part of some hundredths of a second, and the plan at last.
 
-    `mount`: of the scanner. The mapper has a key turn at least; what it takes meanwhile is not in the plan.
+    `mount`: of the scanner. `start`: pose of the mapper's frame in the plan; None: the plan's axes lie along the walls.
+    The mapper has a key turn at least; what it takes meanwhile is not in the plan.
     """
-    start = Pose(0.0, 0.0, -_direction(mapper.keys))
+    start = start or Pose(0.0, 0.0, -_direction(mapper.keys))
     keys = [key._replace(pose=key.pose.placed_in(start)) for key in mapper.keys]
     edges = tuple(mapper.edges)
     looks = Looks(keys, mount)
