@@ -7,15 +7,15 @@ are drawn from.
 
 import math
 from collections.abc import Sequence
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from giraff_core.kinematics.calibration import cholesky
 from giraff_core.robot import RobotConfig
+from giraff_localization.beams.ultrasonic import Beam, Sonars
 from giraff_localization.free_space import Floats, FreeSpace
-from giraff_localization.range_table import RangeTable
 from giraff_localization.track import Stride
 
 _DRIFT: Final = 0.06
@@ -41,18 +41,6 @@ _KNOWN: Final = 0.8
 """Of those whose scales are drawn from others that have learned them."""
 
 Weights = npt.NDArray[np.float64]
-
-
-class Beam(NamedTuple):
-    """One reading, of a sensor at that place on the robot as it is now."""
-
-    x: float
-    y: float
-    yaw: float
-    reading: int
-    """In bins, or CLEAR."""
-    share: float
-    """Of one, by which it counts: readings of one sensor on one way say nearly the same."""
 
 
 class Cloud:
@@ -120,14 +108,17 @@ class Cloud:
         self.poses[2] += stride.turn + turn_error
         self._wandered += stride.effort
 
-    def weigh(self, beams: Sequence[Beam], table: RangeTable, model: npt.NDArray[np.float32]) -> None:
-        """Take what was heard. `model`: as `beam_model` makes it."""
+    def weigh(self, beams: Sequence[Beam], sonars: Sonars) -> None:
+        """Take what was heard."""
         x, y, yaw = self.poses
         cos, sin = np.cos(yaw), np.sin(yaw)
         likelihood = np.where(self._space.holds(x, y), np.float32(0.0), np.float32(OUTSIDE))
-        for beam in beams:
-            expected = table.expected(x + cos * beam.x - sin * beam.y, y + sin * beam.x + cos * beam.y, yaw + beam.yaw)
-            likelihood += beam.share * model[beam.reading][expected]
+        for model, alike in sonars.alike(beams):
+            for beam in alike:
+                expected = model.table.expected(
+                    x + cos * beam.x - sin * beam.y, y + sin * beam.x + cos * beam.y, yaw + beam.yaw
+                )
+                likelihood += beam.share * model.likely[beam.reading][expected]
         before = _log_sum(self.log_weights)
         self.evidence += _log_sum(self.log_weights + likelihood) - before
         self.log_weights = self.log_weights + self.gain * likelihood

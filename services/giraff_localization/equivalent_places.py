@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 
 from giraff_core.kinematics.pose import Pose
-from giraff_localization.cloud import OUTSIDE, Beam, Weights
+from giraff_localization.beams.ultrasonic import Beam
+from giraff_localization.cloud import OUTSIDE, Weights
 from giraff_localization.clusters import are_near
 from giraff_localization.fit import Fit, compare
 from giraff_localization.floor import Floor
@@ -123,12 +124,10 @@ class EquivalentPlaces:
         """Weigh the particles of all equivalent places by what was heard."""
         x, y, yaw = np.stack([place.poses for place in self._places], 1)
         log = np.where(self._floor.space.holds(x, y), 0.0, OUTSIDE)
-        if beams:
-            ahead, aside, turn, heard, share = np.array(beams, np.float32).T[:, :, None, None]
+        for model, alike in self._floor.sonars.alike(beams):
+            ahead, aside, turn, heard, share, _ = np.array(alike, np.float32).T[:, :, None, None]
             cos, sin = np.cos(yaw), np.sin(yaw)
-            expected = self._floor.table.expected(
-                x + cos * ahead - sin * aside, y + sin * ahead + cos * aside, yaw + turn
-            )
-            log += (share * self._floor.model[heard.astype(np.intp), expected]).sum(0)
+            expected = model.table.expected(x + cos * ahead - sin * aside, y + sin * ahead + cos * aside, yaw + turn)
+            log += (share * model.likely[heard.astype(np.intp), expected]).sum(0)
         for place, more in zip(self._places, log, strict=True):
             place.log_weights = place.log_weights + more

@@ -12,9 +12,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from giraff_core.kinematics.pose import Pose
-from giraff_localization.cloud import Beam
+from giraff_localization.beams.range_table import CLEAR, SLANTED
+from giraff_localization.beams.ultrasonic import Beam
 from giraff_localization.floor import Floor
-from giraff_localization.range_table import CLEAR, SLANTED
 
 _MEMORY: Final = 4.0
 RECENT: Final = 2.0
@@ -41,19 +41,21 @@ def compare(floor: Floor, pose: Pose, beams: Sequence[Beam]) -> Counts:
 
     What is too slanted to expect anything is left out; where no robot can be, nothing fits.
     """
-    if not beams:
-        return Counts(0.0, 0.0, 0.0)
-    x, y, yaw, heard, share = np.array(beams, np.float32).T
+    counts = np.zeros(3)
+    is_free = floor.space.free.holds(pose.x, pose.y)
     cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-    expected = floor.table.expected(pose.x + cos * x - sin * y, pose.y + sin * x + cos * y, pose.yaw + yaw).astype(int)
-    is_echo, is_expected = heard != CLEAR, expected < CLEAR
-    close = np.abs(heard - expected) * floor.table.bin < _CLOSE
-    right = np.where(is_expected, is_echo & close, ~is_echo & (expected == CLEAR))
-    if not floor.space.free.holds(pose.x, pose.y):
-        return Counts(0.0, 0.0, float(share.sum()))
-    counted = np.where(expected == SLANTED, 0.0, share)
-    nearer = is_expected & is_echo & (heard < expected) & ~right
-    return Counts(float(counted @ right), float(counted @ nearer), float(counted.sum()))
+    for model, alike in floor.sonars.alike(beams):
+        x, y, yaw, heard, share, _ = np.array(alike, np.float32).T
+        expected = model.table.expected(pose.x + cos * x - sin * y, pose.y + sin * x + cos * y, pose.yaw + yaw).astype(
+            int
+        )
+        is_echo, is_expected = heard != CLEAR, expected < CLEAR
+        close = np.abs(heard - expected) * model.table.bin < _CLOSE
+        right = np.where(is_expected, is_echo & close, ~is_echo & (expected == CLEAR))
+        nearer = is_expected & is_echo & (heard < expected) & ~right
+        counted = np.where(expected == SLANTED, 0.0, share)
+        counts += (counted @ right, counted @ nearer, counted.sum()) if is_free else (0.0, 0.0, share.sum())
+    return Counts(*counts.tolist())
 
 
 class Fit:

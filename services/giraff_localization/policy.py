@@ -14,11 +14,10 @@ from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.dead_reckoning import wrapped
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import Ultrasonic
 from giraff_localization.config import LocalizationConfig
-from giraff_localization.filter import Filter, GivenPose
+from giraff_localization.filter import Filter
 from giraff_localization.floor import Floor
-from giraff_localization.readings import Readings
+from giraff_localization.search import GivenPose, Search
 from giraff_localization.track import Track
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
@@ -33,12 +32,9 @@ from giraff_schemas.localization import (
     PlanarPose,
 )
 from giraff_schemas.messages import Odometry, Range
+from giraff_schemas.scan import LaserScan
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-_STEP: Final = 0.1
-"""m from one update to the next: a robot that stands learns nothing."""
-_TURN: Final = math.radians(10.0)
-"""rad; the same of turns."""
 _SHOWN: Final = 300
 """Particles."""
 _REMEMBERED: Final = 64
@@ -66,17 +62,15 @@ class LocalizationPolicy:
         self._floor = floor if isinstance(floor, Floor) else None
         self._no_map = _read_so_far(0.0) if isinstance(floor, Floor) else floor
         self._building = None if self._floor is None else self._floor.build()
-        self._filter: Filter | None = None
+        self._search: Search | None = None
         self._updating: Iterator[None] | None = None
         self._track = Track()
         self._is_silent = False
         self._granted: deque[tuple[str, int]] = deque(maxlen=_REMEMBERED)
         self._searches = 0
-        self._updated_at = self._track_in_map = _ORIGIN
-        """The one is where in the frame of the way the newest update was, the other where that frame is in `map`."""
-        self._covariance = _NOWHERE
+        self._track_in_map = _ORIGIN
+        """Pose of the track's frame in `map`."""
         self._transform: Transform | None = None
-        self._readings = Readings({}, 1.0, 1.0)
 
     def on_odometry(self, odometry: Odometry) -> None:
         """Take where the robot is in `odom`."""
@@ -86,19 +80,19 @@ class LocalizationPolicy:
             self._is_silent = False
             self._update_transform()
 
-    def on_range(self, reading: Range) -> None:
+    def on_sample(self, sample: Range | LaserScan) -> None:
         """Take what a sensor has heard."""
-        if self._filter is not None:
-            self._readings.on_range(reading)
+        if self._search is not None:
+            self._search.on_sample(sample)
 
     def on_set_pose(self, request: LocalizationSetPose) -> LocalizationAnswer:
         """Take where somebody says that it is."""
         told = GivenPose(Pose(request.x, request.y, wrapped(request.yaw)), request.position_sd, request.yaw_sd)
-        return self._search(("set_pose", request.id), told)
+        return self._begin_anew(("set_pose", request.id), told)
 
     def on_global(self, request: LocalizationGlobal) -> LocalizationAnswer:
         """Look for it anywhere."""
-        return self._search(("global", request.id), None)
+        return self._begin_anew(("global", request.id), None)
 
     def on_silence(self) -> None:
         """Odometry is not heard any more: until it is, nobody knows where the robot goes."""
@@ -114,24 +108,19 @@ class LocalizationPolicy:
         if self._floor is not None and self._building is not None:
             self._build(self._floor, self._building)
             return True
-        if self._filter is None:
+        if self._search is None:
             return False
-        if self._updating is not None:
-            if next(self._updating, self) is self:
-                self._updating = None
-                self._settle(self._filter)
-            return True
-        self._readings.place(self._track)
-        if self._track.way < _STEP and self._track.turned < _TURN and not self._track.has_missed:
-            return False
-        self._updated_at = here = self._track.pose
-        stride = self._track.pop_stride()
-        self._updating = self._filter.update(stride, self._readings.pop_beams(here, stride.effort))
+        if self._updating is None:
+            self._updating = self._search.update(self._track)
+            return self._updating is not None
+        if next(self._updating, self) is self:
+            self._updating = None
+            self._settle(self._search)
         return True
 
     def pose(self) -> MapPose:
         """Where it is now, by the last update and odometry since."""
-        search, name = self._filter, "" if self._floor is None else self._floor.plan.name
+        search, name = self._search, "" if self._floor is None else self._floor.plan.name
         here, odom = self._here, self._odom_in_map
         last, reason = self._track.last, self._reason
         judgement = None if search is None else search.judgement
@@ -140,12 +129,12 @@ class LocalizationPolicy:
             x=here.x,
             y=here.y,
             yaw=wrapped(here.yaw),
-            covariance=self._covariance,
+            covariance=_NOWHERE if search is None else search.covariance,
             odom=PlanarPose(x=odom.x, y=odom.y, yaw=wrapped(odom.yaw)),
             candidates=() if judgement is None else tuple(judgement.candidates),
             explained=0.0 if search is None else search.explained,
             way=0.0 if judgement is None else judgement.way,
-            particles=0 if search is None else search.cloud.count,
+            particles=0 if search is None else search.count,
             map=name,
             reason=reason,
             tick=None if last is None else last.tick,
@@ -153,9 +142,9 @@ class LocalizationPolicy:
 
     def particles(self) -> Particles:
         """Some of them, as they were at the last update."""
-        if self._filter is None:
+        if self._search is None:
             return Particles(x=(), y=(), yaw=())
-        x, y, yaw = self._filter.cloud.sample(_SHOWN)
+        x, y, yaw = self._search.sample(_SHOWN)
         return Particles(x=tuple(x.tolist()), y=tuple(y.tolist()), yaw=tuple(yaw.tolist()))
 
     def walls(self) -> MapWalls:
@@ -170,15 +159,15 @@ class LocalizationPolicy:
 
     @property
     def _state(self) -> LocalizationState:
-        if self._filter is None:
+        if self._search is None:
             return "no_map"
-        return "lost" if self._is_silent else self._filter.judgement.state
+        return "lost" if self._is_silent else self._search.judgement.state
 
     @property
     def _reason(self) -> Trouble:
-        if self._filter is None:
+        if self._search is None:
             return self._no_map
-        return _SILENT if self._is_silent else self._filter.judgement.reason
+        return _SILENT if self._is_silent else self._search.judgement.reason
 
     @property
     def _here(self) -> Pose:
@@ -199,10 +188,10 @@ class LocalizationPolicy:
         self._building = None
         self._begin_search(floor, None)
 
-    def _search(self, wish: tuple[str, int], told: GivenPose | None) -> LocalizationAnswer:
+    def _begin_anew(self, wish: tuple[str, int], told: GivenPose | None) -> LocalizationAnswer:
         if wish in self._granted:
             return LocalizationAnswer(done=True)
-        if self._floor is None or self._filter is None:
+        if self._floor is None or self._search is None:
             return _refused(self._no_map)
         if told is not None and (refusal := _refusal(told, self._floor)):
             return _refused(refusal)
@@ -212,18 +201,14 @@ class LocalizationPolicy:
 
     def _begin_search(self, floor: Floor, told: GivenPose | None) -> None:
         self._searches += 1
-        self._filter = Filter(floor, self._config, self._robot, self._seed + self._searches, told)
+        seed = self._seed + self._searches
+        self._search = Filter(floor, self._config, self._robot, seed, self._track, told)
         self._updating = None
-        self._readings = Readings(self._robot.of(Ultrasonic), floor.reach, floor.table.bin)
-        self._track.pop_stride()
-        begun = self._filter.begun
-        self._track_in_map, self._covariance = _origin_in(begun.pose, self._track.pose), begun.covariance
-        self._update_transform()
+        self._settle(self._search)
 
-    def _settle(self, search: Filter) -> None:
-        """After an update."""
-        if (best := search.best) is not None:
-            self._track_in_map, self._covariance = _origin_in(best.pose, self._updated_at), best.covariance
+    def _settle(self, search: Search) -> None:
+        """Go by what the search tells now."""
+        self._track_in_map = _origin_in(search.pose, search.updated_at)
         self._update_transform()
 
     def _update_transform(self) -> None:

@@ -54,7 +54,7 @@ class Localization:
             policy.on_odometry(odometry)
         for reading in self._ranges.pop_all():
             self._heard["range"] = now
-            policy.on_range(reading)
+            policy.on_sample(reading)
         if now - self._heard["odom"] > SILENCE:
             policy.on_silence()
         for told in self._poses.pop_all():

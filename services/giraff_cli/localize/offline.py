@@ -213,7 +213,7 @@ class RecordedDrive:
             case Odometry():
                 self._on_odometry(sample)
             case Range():
-                self.policy.on_range(sample)
+                self.policy.on_sample(sample)
             case TruePose():
                 self.has_truth = True
                 if (true := self.truth.on_map(sample)) is not None:

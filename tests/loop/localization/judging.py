@@ -62,7 +62,7 @@ def rows(
                 is_told = True
                 assert policy.on_set_pose(told(moment.truth)).done
         else:
-            policy.on_range(moment.message)
+            policy.on_sample(moment.message)
         began = clock() if clock else 0.0
         while policy.work():
             pass

@@ -45,7 +45,7 @@ class Follower:
         self._newest, self._left = sample, 3
         self.heard.append("odom")
 
-    def on_range(self, sample: Range) -> None:
+    def on_sample(self, sample: Range) -> None:
         self._left = 3
         self.heard.append(sample.sensor)
 

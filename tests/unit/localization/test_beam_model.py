@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from giraff_localization.floor import beam_model
-from giraff_localization.range_table import BIN, CLEAR, SLANTED, SOLID
+from giraff_localization.beams.range_table import BIN, CLEAR, SLANTED, SOLID
+from giraff_localization.beams.ultrasonic import beam_model
 
 REACH = 4.0
 MODEL = beam_model(REACH, BIN)

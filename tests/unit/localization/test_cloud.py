@@ -8,9 +8,10 @@ import pytest
 
 from giraff_core.kinematics.calibration import EXACTLY, Calibration
 from giraff_core.robot import RobotConfig
-from giraff_localization.cloud import Beam, Cloud
+from giraff_localization.beams.range_table import BIN
+from giraff_localization.beams.ultrasonic import Beam
+from giraff_localization.cloud import Cloud
 from giraff_localization.clusters import clusters
-from giraff_localization.range_table import BIN
 from giraff_localization.track import Stride
 from tests.support.robots import ROBOT
 from tests.unit.localization.rooms import floor
@@ -83,7 +84,7 @@ def test_what_is_heard_tells_places_apart() -> None:
     """The wall ahead is 2 m away: so says who is 3 m from the west wall, and looks east."""
     heard = everywhere()
     beams = [Beam(0.0, 0.0, 0.0, round(2.0 / BIN), 1.0)]
-    heard.weigh(beams, floor().table, floor().model)
+    heard.weigh(beams, floor().sonars)
     x, _, yaw = heard.poses
     east = np.abs(np.remainder(yaw + math.pi, math.tau) - math.pi) < 0.2
     weights = heard.weights
@@ -93,8 +94,8 @@ def test_what_is_heard_tells_places_apart() -> None:
 
 def test_evidence_is_of_all_particles_together() -> None:
     one, other = cloud(), cloud()
-    one.weigh([Beam(0.0, 0.0, 0.0, round(2.5 / BIN), 1.0)], floor().table, floor().model)
-    other.weigh([Beam(0.0, 0.0, 0.0, round(1.0 / BIN), 1.0)], floor().table, floor().model)
+    one.weigh([Beam(0.0, 0.0, 0.0, round(2.5 / BIN), 1.0)], floor().sonars)
+    other.weigh([Beam(0.0, 0.0, 0.0, round(1.0 / BIN), 1.0)], floor().sonars)
     assert one.evidence > other.evidence + 1.0
 
 
@@ -102,7 +103,7 @@ def test_half_a_gain_moves_weights_by_half_and_evidence_as_much() -> None:
     full, half = everywhere(), everywhere()
     half.gain = 0.5
     for each in (full, half):
-        each.weigh([Beam(0.0, 0.0, 0.0, round(2.0 / BIN), 1.0)], floor().table, floor().model)
+        each.weigh([Beam(0.0, 0.0, 0.0, round(2.0 / BIN), 1.0)], floor().sonars)
     assert half.log_weights == pytest.approx(full.log_weights / 2.0)
     assert half.evidence == pytest.approx(full.evidence)
 

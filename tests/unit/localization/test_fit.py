@@ -3,9 +3,9 @@
 import pytest
 
 from giraff_core.kinematics.pose import Pose
-from giraff_localization.cloud import Beam
+from giraff_localization.beams.range_table import BIN, CLEAR
+from giraff_localization.beams.ultrasonic import Beam
 from giraff_localization.fit import Counts, Fit, compare
-from giraff_localization.range_table import BIN, CLEAR
 from tests.unit.localization.rooms import floor
 
 HERE = Pose(2.475, 1.525, 0.0)

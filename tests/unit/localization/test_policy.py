@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from giraff_core.kinematics.pose import Pose
+from giraff_localization.beams.range_table import CLEAR
+from giraff_localization.filter import Filter
 from giraff_localization.floor import Floor
 from giraff_localization.policy import LocalizationPolicy
-from giraff_localization.range_table import CLEAR
 from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.localization import LocalizationGlobal, LocalizationSetPose, MapPose
 from giraff_schemas.messages import Range, RobotTime
@@ -61,7 +62,7 @@ class Robot:
             if self.hears and step % 2 == 0:
                 for sensor, mount in ULTRASONIC.items():
                     place = Pose(mount.x, mount.y, mount.yaw).placed_in(self.pose)
-                    self.policy.on_range(echo(sensor, self.seconds, heard(place)))
+                    self.policy.on_sample(echo(sensor, self.seconds, heard(place)))
             work(self.policy)
 
     def tell(self) -> None:
@@ -79,8 +80,8 @@ class Robot:
 
 def heard(place: Pose) -> float | None:
     x, y, yaw = np.array(place, np.float32)[:, None]
-    expected = int(floor().table.expected(x, y, yaw)[0])
-    return expected * floor().table.bin if expected < CLEAR else None
+    expected = int(floor().sonars.models[0].table.expected(x, y, yaw)[0])
+    return expected * floor().sonars.models[0].table.bin if expected < CLEAR else None
 
 
 @pytest.fixture
@@ -328,7 +329,7 @@ def test_a_robot_that_stands_learns_nothing(robot: Robot) -> None:
     for _ in range(200):
         robot.seconds += 0.05
         robot.tell()
-        robot.policy.on_range(echo("rear", robot.seconds, 3.3))
+        robot.policy.on_sample(echo("rear", robot.seconds, 3.3))
     after = robot.policy.pose()
     assert (after.covariance, after.explained) == (before.covariance, before.explained)
 
@@ -345,7 +346,7 @@ def test_a_reading_that_says_nothing_counts_for_nothing(robot: Robot, strange: s
     }
     explained = robot.policy.pose().explained
     for _ in range(300):
-        robot.policy.on_range(bad[strange])
+        robot.policy.on_sample(bad[strange])
     robot.drive(0.2)
     assert robot.policy.pose().explained == explained
 
@@ -353,16 +354,18 @@ def test_a_reading_that_says_nothing_counts_for_nothing(robot: Robot, strange: s
 def test_memory_stays_flat(lost: LocalizationPolicy) -> None:
     """However long nothing else comes, and whatever comes."""
     for number in range(3000):
-        lost.on_range(echo("rear", 1e6 + number, 1.0))
+        lost.on_sample(echo("rear", 1e6 + number, 1.0))
     robot = Robot(lost, Pose(1.0, 1.5, 0.0))
     for number in range(500):
         robot.seconds += 0.01
         robot.tell()
-        lost.on_range(echo("rear", robot.seconds, 1.0))
+        lost.on_sample(echo("rear", robot.seconds, 1.0))
         if number < 100:
             lost.on_global(LocalizationGlobal(by="test", id=number + 1))
-    assert len(lost._readings._waiting) <= 100
-    assert all(len(each) <= 12 for each in lost._readings._heard.values())
+    search = lost._search
+    assert isinstance(search, Filter)
+    assert len(search._readings._waiting) <= 100
+    assert all(len(each) <= 12 for each in search._readings._heard.values())
     assert len(lost._track._moments) <= 400
     assert len(lost._granted) <= 64
 

@@ -10,15 +10,19 @@ import numpy as np
 import pytest
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.senses import HC_SR04
-from giraff_localization import range_table
+from giraff_core.senses import HC_SR04, Ultrasonic
+from giraff_localization.beams import range_table
+from giraff_localization.beams.range_table import CLEAR, SLANTED, SOLID
+from giraff_localization.beams.readings import Readings
+from giraff_localization.beams.ultrasonic import Beam
 from giraff_localization.config import LocalizationConfig
+from giraff_localization.fit import compare
 from giraff_localization.floor import Floor
 from giraff_localization.free_space import Floats
-from giraff_localization.range_table import CLEAR, SLANTED, SOLID
+from giraff_localization.track import Track
 from giraff_maps.floor_plan import FloorPlan, MapError
 from tests.support.robots import ROBOT, ULTRASONIC
-from tests.unit.localization.rooms import ROOM, floor, outline
+from tests.unit.localization.rooms import ROOM, echo, floor, odometry, outline
 
 MIDDLE = (2.475, 1.525)
 SLANTED_WALL = FloorPlan("slanted", (*ROOM.walls, (3.0, 0.0, 4.0, 3.0)))
@@ -26,12 +30,12 @@ SLANTED_WALL = FloorPlan("slanted", (*ROOM.walls, (3.0, 0.0, 4.0, 3.0)))
 
 def expected(place: tuple[float, float], degrees: float, plan: FloorPlan = ROOM) -> int:
     x, y = np.array([place[0]]), np.array([place[1]])
-    return int(floor(plan).table.expected(x, y, np.array([math.radians(degrees)]))[0])
+    return int(floor(plan).sonars.models[0].table.expected(x, y, np.array([math.radians(degrees)]))[0])
 
 
 @pytest.mark.parametrize(("degrees", "distance"), [(0.0, 2.525), (90.0, 1.475), (180.0, 2.475), (270.0, 1.525)])
 def test_a_wall_ahead_is_heard_at_its_distance(degrees: float, distance: float) -> None:
-    assert expected(MIDDLE, degrees) * floor().table.bin == pytest.approx(distance, abs=0.03)
+    assert expected(MIDDLE, degrees) * floor().sonars.models[0].table.bin == pytest.approx(distance, abs=0.03)
 
 
 def test_whole_turns_are_the_same_heading() -> None:
@@ -60,12 +64,12 @@ def test_behind_a_wall_nothing_is_expected() -> None:
 
 def test_of_two_walls_the_first_is_heard() -> None:
     divided = FloorPlan("divided", (*ROOM.walls, (3.5, 0.0, 3.5, 3.0)))
-    assert expected(MIDDLE, 0.0, divided) * floor(divided).table.bin == pytest.approx(1.025, abs=0.03)
+    assert expected(MIDDLE, 0.0, divided) * floor(divided).sonars.models[0].table.bin == pytest.approx(1.025, abs=0.03)
 
 
 def test_it_agrees_with_rays_cast_one_by_one() -> None:
     """In a room with a slanted wall, by the same law, told in another way."""
-    table = floor(SLANTED_WALL).table
+    table = floor(SLANTED_WALL).sonars.models[0].table
     limit = math.radians(25.0)
     same = []
     for x, y, degrees in product((0.475, 1.525, 2.625), (0.525, 1.475, 2.275), range(0, 360, 30)):
@@ -137,11 +141,28 @@ def test_a_map_of_another_scale_is_refused(scale: float, words: str) -> None:
         Floor(scaled, LocalizationConfig(), ROBOT)
 
 
-def test_sensors_that_differ_take_one_figure_for_all() -> None:
+def test_sensors_that_differ_are_expected_to_hear_each_what_its_kind_hears() -> None:
     short = {name: msgspec.structs.replace(each, reach=2.0) for name, each in ULTRASONIC.items()}
     robot = msgspec.structs.replace(ROBOT, sensors=ROBOT.sensors | {"rear": short["rear"]})
-    with pytest.raises(MapError, match=r"differ.*set reach, half_cone and incidence of \[localization\]"):
-        Floor(ROOM, LocalizationConfig(), robot)
-    assert Floor(ROOM, LocalizationConfig(reach=3.0), robot).reach == 3.0
+    made = Floor(ROOM, LocalizationConfig(), robot)
+    assert list(made.build())[-1] == 1.0
+    heard, way = Readings(robot.of(Ultrasonic), made.sonars), Track()
+    way.on_odometry(odometry(1.0))
+    for sensor in ULTRASONIC:
+        heard.on_range(echo(sensor, 1.0, 2.5))
+    heard.place(way)
+    beams = heard.pop_beams(way.pose, 0.1)
+    assert [(model.reach, [beam.reading for beam in alike]) for model, alike in made.sonars.alike(beams)] == [
+        (4.0, [125, 125]),
+        (2.0, [CLEAR]),
+    ]
+    ahead = [Beam(0.0, 0.0, 0.0, reading, 1.0, kind) for kind, reading in enumerate((126, CLEAR))]
+    assert compare(made, Pose(*MIDDLE, 0.0), ahead) == (2.0, 0.0, 2.0)
+    assert compare(made, Pose(*MIDDLE, 0.0), [beam._replace(kind=1 - beam.kind) for beam in ahead]).right == 0.0
+
+
+def test_sensors_that_are_alike_share_one_table() -> None:
+    short = {name: msgspec.structs.replace(each, reach=2.0) for name, each in ULTRASONIC.items()}
     alike = msgspec.structs.replace(ROBOT, sensors=short)
-    assert Floor(ROOM, LocalizationConfig(), alike).reach == 2.0
+    for config, reach in ((LocalizationConfig(), 2.0), (LocalizationConfig(reach=3.0), 3.0)):
+        assert [model.reach for model in Floor(ROOM, config, alike).sonars.models] == [reach]

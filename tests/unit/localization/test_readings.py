@@ -4,13 +4,11 @@ import math
 
 import pytest
 
-from giraff_localization.range_table import BIN, CLEAR
-from giraff_localization.readings import Readings
+from giraff_localization.beams.range_table import BIN, CLEAR
+from giraff_localization.beams.readings import Readings
 from giraff_localization.track import Track
 from tests.support.robots import ULTRASONIC
-from tests.unit.localization.rooms import echo, odometry
-
-REACH = 4.0
+from tests.unit.localization.rooms import echo, floor, odometry
 
 
 def driven(metres: float = 0.1) -> Track:
@@ -22,7 +20,7 @@ def driven(metres: float = 0.1) -> Track:
 
 
 def readings() -> Readings:
-    return Readings(ULTRASONIC, REACH, BIN)
+    return Readings(ULTRASONIC, floor().sonars)
 
 
 def test_a_reading_is_seen_from_where_the_robot_is_now() -> None:

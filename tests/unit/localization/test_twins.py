@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from giraff_core.kinematics.pose import Pose
-from giraff_localization.cloud import Beam
+from giraff_localization.beams.range_table import CLEAR
+from giraff_localization.beams.ultrasonic import Beam
 from giraff_localization.clusters import are_near
 from giraff_localization.equivalent_places import EquivalentPlaces
-from giraff_localization.range_table import CLEAR
 from giraff_localization.track import Stride
 from giraff_maps.floor_plan import FloorPlan
 from tests.unit.localization.rooms import floor, outline
@@ -34,8 +34,9 @@ def turned(pose: Pose) -> Pose:
 def heard(pose: Pose) -> list[Beam]:
     """Return what four sensors hear at this place."""
     beams = []
+    table = floor(HALL).sonars.models[0].table
     for yaw in (0.0, 0.8, math.pi / 2.0, -math.pi / 2.0):
-        expected = int(floor(HALL).table.expected(*(np.array([each]) for each in (pose.x, pose.y, pose.yaw + yaw)))[0])
+        expected = int(table.expected(*(np.array([each]) for each in (pose.x, pose.y, pose.yaw + yaw)))[0])
         beams.append(Beam(0.0, 0.0, yaw, min(expected, CLEAR), 0.2))
     return beams
 

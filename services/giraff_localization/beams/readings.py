@@ -7,8 +7,8 @@ from typing import Final
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.senses import Ultrasonic
-from giraff_localization.cloud import Beam
-from giraff_localization.range_table import CLEAR
+from giraff_localization.beams.range_table import CLEAR
+from giraff_localization.beams.ultrasonic import Beam, Sonars
 from giraff_localization.track import Track
 from giraff_schemas.messages import Range, RobotTime
 
@@ -24,12 +24,11 @@ _WAITING: Final = 100
 
 
 class Readings:
-    """Of all sensors that the robot file names."""
+    """Readings of all sensors that the robot file names."""
 
-    def __init__(self, sensors: Mapping[str, Ultrasonic], reach: float, bin_size: float) -> None:
-        """`reach`, `bin_size`: m."""
+    def __init__(self, sensors: Mapping[str, Ultrasonic], sonars: Sonars) -> None:
+        self._sonars = sonars
         self._mounts = {name: Pose(mount.x, mount.y, mount.yaw) for name, mount in sensors.items()}
-        self._reach, self._bin = reach, bin_size
         self._waiting: deque[tuple[RobotTime, str, int]] = deque(maxlen=_WAITING)
         self._heard: dict[str, deque[tuple[Pose, int]]] = {name: deque(maxlen=_KEPT) for name in sensors}
         self._silent = dict.fromkeys(sensors, 0.0)
@@ -62,11 +61,12 @@ class Readings:
                 share = _EXPONENT / len(heard)
                 for pose, reading in heard:
                     place = self._mounts[sensor].placed_in(pose).seen_from(here)
-                    beams.append(Beam(place.x, place.y, place.yaw, reading, share))
+                    beams.append(Beam(place.x, place.y, place.yaw, reading, share, self._sonars.kinds[sensor]))
             heard.clear()
         return beams
 
     def _in_bins(self, reading: Range) -> int:
-        if reading.range is None or reading.range >= self._reach:
+        model = self._sonars.models[self._sonars.kinds[reading.sensor]]
+        if reading.range is None or reading.range >= model.reach:
             return CLEAR
-        return min(CLEAR - 1, max(0, math.floor(reading.range / self._bin)))
+        return min(CLEAR - 1, max(0, math.floor(reading.range / model.table.bin)))

@@ -44,7 +44,7 @@ _Floats = npt.NDArray[np.float32]
 
 
 class Cone(NamedTuple):
-    """What a sensor hears."""
+    """Bounds of what a sensor hears."""
 
     reach: float
     """m"""
@@ -68,7 +68,7 @@ class RangeTable:
         self._table[~self._near_free] = SOLID
 
     def expected(self, x: Floats, y: Floats, heading: Floats) -> npt.NDArray[np.uint8]:
-        """Of a sensor there: the range in bins, or CLEAR, SLANTED, SOLID."""
+        """Return for a sensor there the range in bins, or CLEAR, SLANTED, SOLID."""
         space = self._space
         column, row = space.cells(x, y)
         direction = np.rint(heading * (HEADINGS / math.tau)).astype(np.int32) % HEADINGS

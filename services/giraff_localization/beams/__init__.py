@@ -1,0 +1,1 @@
+"""giraff_localization: what each type of sense tells of a floor plan."""
