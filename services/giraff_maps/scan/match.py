@@ -6,7 +6,7 @@ and a wall is only matched with the same face of it.
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,8 @@ _SIGMA: Final = 0.02  # m: standard deviation of a point off its wall
 _DEPENDENT: Final = 0.25  # weight of a point: neighbours err alike
 _ON_WALL: Final = 0.06  # m off a wall within which a point lies on it
 _ROUNDS: Final = 15
+SAME_FACE: Final = 0.7
+"""Cosine between two normals above which they are of one face of a wall."""
 
 Floats = npt.NDArray[np.float64]
 
@@ -95,6 +97,12 @@ def _normals(points: Floats, half: npt.NDArray[np.int_]) -> Floats:
     return normals
 
 
+class Faces(Protocol):
+    """Walls that a turn is matched with."""
+
+    def alike(self, points: Floats, normals: Floats) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]: ...
+
+
 class Field:
     """The nearest wall point of each cell near a wall."""
 
@@ -123,6 +131,15 @@ class Field:
         found[inside] = self._nearest[self._flat(points[inside])]
         return self._points[found], self._normals[found], found >= 0
 
+    def alike(self, points: Floats, normals: Floats) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
+        """Return the nearest wall point of each, its normal, and whether there is one whose face is the same.
+
+        A point that lies on no flat wall, whose normal is (0, 0), is like any face.
+        """
+        at, found, known = self.nearest(points)
+        is_alike = ((normals * found).sum(axis=1) > SAME_FACE) | (normals == 0.0).all(axis=1)
+        return at, found, known & is_alike
+
     def cells(self, points: Floats) -> npt.NDArray[np.int64]:
         """Return column and row of the cell of each point: shape (n, 2)."""
         found: npt.NDArray[np.int64] = np.floor((points - self._low) / CELL).astype(np.int64)
@@ -145,15 +162,14 @@ class Field:
         return column * self._shape[1] + row
 
 
-def match(field: Field, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Matched:
+def match(field: Faces, cloud: Cloud, guess: Any, spread: Sequence[float]) -> Matched:
     """Return the scanner's pose in the field. `spread`: standard deviations (m, m, rad) of `guess`."""
     pose, prior, gate = np.array(guess, dtype=float), 1.0 / np.square(spread), 0.3
     flat = (cloud.normals != 0.0).any(axis=1)
     off, walls = np.full(len(cloud.points), math.inf), np.zeros((3, 3))
     for number in range(_ROUNDS):
         points, own = cloud.placed(pose)
-        at, normals, known = field.nearest(points)
-        known &= ((normals * own).sum(axis=1) > 0.7) | ~flat
+        at, normals, known = field.alike(points, own)
         off = np.where(known, (normals * (points - at)).sum(axis=1), math.inf)
         used = np.abs(off) < gate
         arm, normal, error = points[used] - pose[:2], normals[used], off[used]
