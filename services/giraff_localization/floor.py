@@ -1,9 +1,11 @@
-"""A floor plan as the filter needs it: where a robot can be, and what it would hear there."""
+"""A floor plan as a search needs it: places where a robot can be, and what its sensors would tell there."""
 
 from collections.abc import Iterator
 from typing import Final
 
 from giraff_core.robot import RobotConfig
+from giraff_core.senses import LaserScanner
+from giraff_localization.beams.laser import PlanWalls
 from giraff_localization.beams.ultrasonic import Sonars
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.free_space import FreeSpace
@@ -37,10 +39,12 @@ class Floor:
                 f"the map {plan.name!r}, {width:.2f} m by {depth:.2f} m, has no room for a robot of "
                 f"{2.0 * footprint_radius:.2f} m across: is it in metres?"
             )
+        self.walls = PlanWalls(plan) if robot.of(LaserScanner) else None
+        """As a laser scanner sees them. None: the robot has no scanner, and is found by its sonars."""
         self.sonars = Sonars(plan, self.space, config, robot)
 
     def build(self) -> Iterator[float]:
         """Compute it bit by bit; tells the share that is done after each."""
         if not self.is_built:
-            yield from self.sonars.build()
+            yield from (self.walls or self.sonars).build()
             self.is_built = True

@@ -71,6 +71,11 @@ class FreeSpace:
         yaw = random.uniform(-math.pi, math.pi, count)
         return np.array([places[:, 0] + self.left, places[:, 1] + self.bottom, yaw], np.float32)
 
+    def places(self, apart: int) -> npt.NDArray[np.float64]:
+        """Return x, y of the middles of free cells, so many cells apart along either axis; shape (n, 2)."""
+        cells = self._cells[(self._cells % apart == apart // 2).all(axis=1)]
+        return np.array((cells + 0.5) * CELL + (self.left, self.bottom), np.float64)
+
     def _block(self, open_: npt.NDArray[np.bool_], wall: Wall, radius: float) -> None:
         """Take away what is nearer to the wall than `radius`."""
         x0, y0, x1, y1 = wall

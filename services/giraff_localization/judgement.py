@@ -39,9 +39,9 @@ _CANDIDATE_FIT: Final = 0.55
 _TOGETHER: Final = 0.7
 """Mass that the candidates must have to be all that there is."""
 
-_UNJUDGED: Final = 0.5
+UNJUDGED: Final = 0.5
 """m after somebody has told the place, on which too little was heard to contradict it."""
-_TOLD_HOLDS: Final = 5.0
+TOLD_HOLDS: Final = 5.0
 """m after which a place that was told, and that nothing has confirmed, is not driven by any more."""
 _TOLD_SPREAD: Final = 0.75
 """m; as `_KEEP_SPREAD`, of a place that somebody has told."""
@@ -54,24 +54,29 @@ _LONG: Final = 20.0
 _EXPLAINS: Final = 0.75
 _BELIEVABLE: Final = 0.60
 """Shares of the readings over these metres: below them the map is doubted, and no place is believed on it."""
-_UNHEARD: Final = 3.0
+UNHEARD: Final = 3.0
 """m without a reading that says anything, after which nothing is known any more."""
 
-_LOOKS: Final = Trouble("not found yet", "drive on, along walls and round corners, and turn now and then")
-_CHECKS: Final = Trouble("it was told where it is, and that is checked", "drive on two metres or three")
-_UNCONFIRMED: Final = Trouble(
+LOOKS: Final = Trouble("not found yet", "drive on, along walls and round corners, and turn now and then")
+CHECKS: Final = Trouble("it was told where it is, and that is checked", "drive on two metres or three")
+UNCONFIRMED: Final = Trouble(
     "the sensors have not confirmed the place that was told",
     "drive on; if that does not help",
     "run",
     "giraff localize --at X,Y,YAW",
 )
-_DOUBTS: Final = Trouble(
+DOUBTS: Final = Trouble(
     "what the sensors hear fits this place no more: carried away, or things stand about", "drive on"
 )
 _HEARS_NOTHING: Final = Trouble(
     "no sensor has told anything for some metres",
     "check that giraff_ranger runs, and the sensors of the robot file, or drive to where walls are within 4 m",
 )
+
+
+def several_fit(count: int) -> Trouble:
+    """Return the trouble of so many places."""
+    return Trouble(f"{count} places fit", "drive to where they differ")
 
 
 class Fits(NamedTuple):
@@ -102,7 +107,7 @@ class Judgement:
         self._long_fit = 1.0
         """What the best place explained of the last `_LONG` m, whichever it was."""
         self._is_deaf = False
-        self._told_left = _TOLD_HOLDS if was_told else 0.0
+        self._told_left = TOLD_HOLDS if was_told else 0.0
         """m on which the place that was told may still be driven by. 0: it was contradicted, or there was none."""
 
     def begin_anew(self) -> None:
@@ -122,7 +127,7 @@ class Judgement:
         """After an update. `rivals`: of a restart cloud that has settled."""
         best = found[0] if found else None
         self._long_fit += (fits.long - self._long_fit) * (1.0 - math.exp(-stride.effort / _LONG))
-        self._is_deaf = fits.unheard > _UNHEARD
+        self._is_deaf = fits.unheard > UNHEARD
         explains = fits.long >= _FIT and self._long_fit >= _BELIEVABLE and _is_heard(fits)
         good = best is not None and best.mass >= _MASS and best.spread <= _SPREAD and explains and lead > _BEHIND
         self._held = self._held + stride.effort if good else 0.0
@@ -139,7 +144,7 @@ class Judgement:
             return
         self.way += stride.way
         self._list(found, rivals, equivalents, fits)
-        is_heard = _is_heard(fits) or self._told_left > _TOLD_HOLDS - _UNJUDGED
+        is_heard = _is_heard(fits) or self._told_left > TOLD_HOLDS - UNJUDGED
         if self.state == "ambiguous" or not _holds(best, _TOLD_SPREAD, lead) or not is_heard:
             self._told_left = 0.0
         if self._told_left:
@@ -156,10 +161,10 @@ class Judgement:
             driven = f"driven {self.way:.0f} m, and no place fits well: this may not be the map"
             return Trouble(driven, "check it, and its scale")
         if self.state == "ambiguous":
-            return Trouble(f"{len(self.candidates)} places fit", "drive to where they differ")
+            return several_fit(len(self.candidates))
         if self._was_told:
-            return _CHECKS if self.state == "told" else _UNCONFIRMED
-        return _DOUBTS if self._was_known else _LOOKS
+            return CHECKS if self.state == "told" else UNCONFIRMED
+        return DOUBTS if self._was_known else LOOKS
 
     def _leave(self) -> None:
         self.state, self._held = "lost", 0.0
@@ -179,7 +184,7 @@ class Judgement:
             if _is_new(equivalent, places):
                 places.append((equivalent, 0.0))
         self.candidates = [Candidate(x=pose.x, y=pose.y, yaw=pose.yaw, belief=mass) for pose, mass in places]
-        is_all = fits.long >= _CANDIDATE_FIT and fits.unheard <= _UNHEARD and together > _TOGETHER
+        is_all = fits.long >= _CANDIDATE_FIT and fits.unheard <= UNHEARD and together > _TOGETHER
         self.state = "ambiguous" if is_all and len(places) > 1 else "lost"
 
 
@@ -190,7 +195,7 @@ def _holds(best: Cluster | None, spread: float, lead: float) -> bool:
 
 def _is_heard(fits: Fits) -> bool:
     """Whether the sensors still say that it is there."""
-    return fits.recent >= _KEEP_FIT and fits.unheard <= _UNHEARD
+    return fits.recent >= _KEEP_FIT and fits.unheard <= UNHEARD
 
 
 def _is_candidate(cluster: Cluster) -> bool:

@@ -1,4 +1,7 @@
-"""What giraff_localization decides: where the robot is, and whether that is known. No I/O and no clock.
+"""Decides where the robot is, and whether that is known. No I/O and no clock.
+
+A robot with a laser scanner in its file is found by that: its sonars are not used for the pose. Others are found by
+their sonars.
 
 What is to be computed is done in parts (`work`), so that nothing waits for it: where the robot is now, it tells at any
 time, by the last update and by odometry since.
@@ -17,6 +20,7 @@ from giraff_core.robot import RobotConfig
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.filter import Filter
 from giraff_localization.floor import Floor
+from giraff_localization.scan_search import ScanSearch
 from giraff_localization.search import GivenPose, Search
 from giraff_localization.track import Track
 from giraff_maps.floor_plan import FloorPlan, MapError
@@ -201,8 +205,11 @@ class LocalizationPolicy:
 
     def _begin_search(self, floor: Floor, told: GivenPose | None) -> None:
         self._searches += 1
-        seed = self._seed + self._searches
-        self._search = Filter(floor, self._config, self._robot, seed, self._track, told)
+        if floor.walls is None:
+            seed = self._seed + self._searches
+            self._search = Filter(floor, self._config, self._robot, seed, self._track, told)
+        else:
+            self._search = ScanSearch(floor.space, floor.walls, self._robot, self._track, told)
         self._updating = None
         self._settle(self._search)
 

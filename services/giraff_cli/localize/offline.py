@@ -21,8 +21,9 @@ from giraff_mcap.unread import Unread
 from giraff_node.config.robot_file import ConfigError
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.messages import Odometry, Range, Sample, TruePose
+from giraff_schemas.scan import LaserScan
 from giraff_schemas.text import printable
-from giraff_schemas.topics import ODOM, POSE, RANGE, TRUE_POSE
+from giraff_schemas.topics import ODOM, POSE, RANGE, SCAN, TRUE_POSE
 from giraff_sim.world.room import Room, RoomError, read_room
 from giraff_telemetry.localization import WayByState
 from giraff_telemetry.localization_error import LocalizationErrors
@@ -70,7 +71,7 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
     if stopping.asked:
         print_error(f"{path}: ended early; this is of what came before")
     if not drive.heard_odometry:
-        return print_error(f"{path}: it has no odom, and so no way; record with odom and range/* (giraff record)")
+        return print_error(f"{path}: it has no odom, and so no way; record odom and range/* or scan/* (giraff record)")
     summary = summarize(drive, recording.robot, took=took)
     say(to_json(summary) if as_json else to_text(summary))
     return _INCOMPLETE if unread or strange else DONE
@@ -81,7 +82,7 @@ def _feed(
 ) -> int:
     """Return how many samples cannot be decoded. `unread` takes what is missing in the file."""
     strange = 0
-    for number, recorded in enumerate(recording.samples((ODOM.key, RANGE.key, TRUE_POSE.key), unread)):
+    for number, recorded in enumerate(recording.samples((ODOM.key, RANGE.key, SCAN.key, TRUE_POSE.key), unread)):
         if number % _LOOK_EVERY == 0:
             progress.move(recording.share_before(recorded.heard_ns))
             if stopping.asked:
@@ -212,7 +213,7 @@ class RecordedDrive:
         match sample:
             case Odometry():
                 self._on_odometry(sample)
-            case Range():
+            case Range() | LaserScan():
                 self.policy.on_sample(sample)
             case TruePose():
                 self.has_truth = True

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from giraff_core.robot import RobotConfig
-from giraff_core.senses import HC_SR04, Ultrasonic
+from giraff_core.senses import HC_SR04, LaserScanner, Ultrasonic
 from giraff_localization.beams.range_table import CLEAR, SLANTED, SOLID, Cone, RangeTable
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.free_space import FreeSpace
@@ -54,10 +54,12 @@ class SonarModel:
 
 
 class Sonars:
-    """The ultrasonic sensors of a robot on a floor plan: those that are alike share one model."""
+    """The ultrasonic sensors of a robot on a floor plan: those that are alike share one model. A robot that is found by
+    its scanner needs none."""
 
     def __init__(self, plan: FloorPlan, space: FreeSpace, config: LocalizationConfig, robot: RobotConfig) -> None:
-        cones = {name: _cone(config, each) for name, each in (robot.of(Ultrasonic) or {"": HC_SR04}).items()}
+        sensors = {} if robot.of(LaserScanner) else robot.of(Ultrasonic) or {"": HC_SR04}
+        cones = {name: _cone(config, each) for name, each in sensors.items()}
         kinds = list(dict.fromkeys(cones.values()))
         self.models = tuple(SonarModel(plan, space, cone) for cone in kinds)
         self.kinds = {name: kinds.index(cone) for name, cone in cones.items()}

@@ -220,7 +220,7 @@ def test_a_recording_without_odometry_says_so(giraff: Giraff, tmp_path: Path) ->
     path = recorded(tmp_path / "base.mcap", [OTHER])
     code, out, complaint = giraff("localize", "--from", str(path), "--map", str(ROOM))
     assert (code, out) == (2, "")
-    assert "it has no odom, and so no way; record with odom and range/*" in complaint
+    assert "it has no odom, and so no way; record odom and range/* or scan/*" in complaint
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n torn", None])
