@@ -5,11 +5,11 @@ from typing import Final
 
 from giraff_core.robot import RobotConfig
 from giraff_core.senses import LaserScanner
-from giraff_localization.beams.laser import PlanWalls
 from giraff_localization.beams.ultrasonic import Sonars
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.free_space import FreeSpace
 from giraff_maps.floor_plan import FloorPlan, MapError
+from giraff_maps.scan.plan_walls import PlanWalls
 
 _BODY: Final = 0.7
 """Of the footprint's radius: a map is not exact, and a robot that touches furniture is somewhere all the same."""

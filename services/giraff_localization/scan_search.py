@@ -14,7 +14,6 @@ from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_core.senses import LaserScanner
-from giraff_localization.beams.laser import PlanWalls
 from giraff_localization.free_space import Floats as Floats32
 from giraff_localization.free_space import FreeSpace
 from giraff_localization.judgement import (
@@ -30,6 +29,7 @@ from giraff_localization.judgement import (
 from giraff_localization.search import GivenPose
 from giraff_localization.track import Track
 from giraff_maps.scan.match import Cloud, Floats, match
+from giraff_maps.scan.plan_walls import PlanWalls
 from giraff_maps.scan.search import are_apart
 from giraff_maps.scan.turns import Turns
 from giraff_schemas.localization import Candidate, LocalizationState

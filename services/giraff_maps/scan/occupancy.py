@@ -51,7 +51,7 @@ class Looks:
         self._hits, self._passed = np.zeros((2, self._grid.state.size), np.int32)
         self._steps = np.arange(_NEAR, _FAR, CELL * 0.7)
 
-    def look(self, key: KeyTurn) -> None:
+    def add(self, key: KeyTurn) -> None:
         """Count what one of them saw."""
         points, scanner = key.turn.cloud.placed(key.pose).points, np.array(self._mount.placed_in(key.pose)[:2])
         ranges = np.hypot(*(points - scanner).T)

@@ -67,7 +67,7 @@ def make_plan(mapper: Mapper, mount: Pose, start: Pose | None = None) -> Iterato
     edges = tuple(mapper.edges)
     looks = Looks(keys, mount)
     for number, key in enumerate(keys):
-        looks.look(key)
+        looks.add(key)
         yield number / len(keys) / 2.0
     grid = looks.grid()
     faces = faces_of(keys, grid)
