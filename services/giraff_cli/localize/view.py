@@ -2,17 +2,14 @@
 
 import math
 import re
-import shutil
 import time
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, Final, Protocol
 
 import msgspec
-from rich.console import Group, RenderableType
-from rich.text import Text
+from rich.console import RenderableType
 
 from giraff_cli.localize.client import DONE, require_there
 from giraff_core.latest import Latest
@@ -25,18 +22,13 @@ from giraff_schemas.topics import POSE, Topic
 from giraff_telemetry.localization import pose_text
 from giraff_tools.network.command import run_with_robot
 from giraff_tools.network.connection import RobotConnection
-from giraff_tools.terminal.dots import takes_dots
-from giraff_tools.terminal.floor import FloorDrawing
+from giraff_tools.terminal.floor import plan_and_words
 from giraff_tools.terminal.screen import Terminal, open_screen
 from giraff_tools.terminal.signals import StopSignal
 from giraff_tools.terminal.text import json_line
 
 _FIGURES: Final = re.compile(r"\d+")
 _STYLE: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "red", "no_map": "red"}
-_LARGEST: Final = 80, 24
-"""Columns and lines of the floor plan."""
-_WORDS: Final = 5
-"""Lines of the terminal that the plan leaves to the words."""
 _QUIET: Final = 1.0  # s between two lines that only say that it has moved
 _SHOW_EVERY: Final = 0.1  # s, while nothing is said
 _TURN: Final = 0.1  # s
@@ -74,19 +66,10 @@ class PoseView:
     def render(self) -> RenderableType:
         pose = self.pose.sample if self.pose is not None and self.pose.fresh else None
         style = "yellow" if pose is None else _STYLE[pose.state]
-        words = Text(self.words, style)
-        if self.plan is None:
-            return words
-        columns, lines = shutil.get_terminal_size()
-        size = min(columns - 1, _LARGEST[0]), max(_WORDS, min(lines - _WORDS, _LARGEST[1]))
-        return Group(_drawing(self.plan, *size, dots=takes_dots()).draw(pose, style), words)
+        return plan_and_words(self.plan, pose, self.words, style)
 
     def line(self) -> str:
         return f"{self.elapsed:6.1f} s | {self.words}"
-
-
-_drawing = cache(FloorDrawing)
-"""Drawings of one plan that are kept, in few sizes of a terminal."""
 
 
 def document(robot: str, pose: MapPose) -> dict[str, Any]:

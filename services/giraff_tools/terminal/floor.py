@@ -1,15 +1,18 @@
 """A floor plan in characters: its walls, axes in metres, and where the robot is on it."""
 
 import math
+import shutil
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Final
 
+from rich.console import Group, RenderableType
 from rich.text import Text
 
 from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_maps.floor_plan import FloorPlan, Wall
 from giraff_schemas.localization import MapPose
-from giraff_tools.terminal.dots import ACROSS, DOWN, Dots
+from giraff_tools.terminal.dots import ACROSS, DOWN, Dots, takes_dots
 
 _STEPS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """m from one figure on an axis to the next."""
@@ -19,6 +22,11 @@ _ARROWS: Final = ("→↗↑↖←↙↓↘", ">/^\\</v\\")
 _AXES: Final = ("┤│└┴─", "+||+-")
 _ORIGIN: Final = ("┼", "+")
 _AROUND: Final = 256  # dots of an ellipse
+
+_LARGEST: Final = 80, 24
+"""Columns and lines of a floor plan above words."""
+_WORDS: Final = 5
+"""Lines of the terminal that it leaves to the words."""
 
 Cell = tuple[int, int]
 """Line and column of a character of the drawing, from the upper left one."""
@@ -102,6 +110,20 @@ class FloorDrawing:
         yield figures
         where = f"{self._either(_ORIGIN)} origin" if self._is_inside(0.0, 0.0) else "its origin is outside"
         yield f"{' ' * self._margin}{where}"
+
+
+def plan_and_words(plan: FloorPlan | None, pose: MapPose | None, words: str, style: str) -> RenderableType:
+    """Return a floor plan, as large as the terminal takes it, above words in one style. None: the words alone."""
+    told = Text(words, style)
+    if plan is None:
+        return told
+    columns, lines = shutil.get_terminal_size()
+    size = min(columns - 1, _LARGEST[0]), max(_WORDS, min(lines - _WORDS, _LARGEST[1]))
+    return Group(_drawing(plan, *size, dots=takes_dots()).draw(pose, style), told)
+
+
+_drawing = lru_cache(maxsize=4)(FloorDrawing)
+"""The newest drawings: of one plan in few sizes of a terminal, or of one that grows."""
 
 
 def _points(wall: Wall, per_metre: float) -> Iterator[tuple[float, float]]:

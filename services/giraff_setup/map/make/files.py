@@ -40,14 +40,6 @@ class PlanFiles(NamedTuple):
         return cls(*(stem.with_name(f"{stem.name}{ending}") for ending in (".yaml", ".pgm", ".toml")))
 
 
-class Written(NamedTuple):
-    """The plan is on the disk."""
-
-    files: PlanFiles
-    elsewhere: str
-    """Cause, where it has another name or folder than was asked for. Empty: it has not."""
-
-
 def stem_of(name: Path) -> Path:
     """Return the path of a new plan, without an ending. Raises MapError where no plan can be written there."""
     stem = name.with_suffix("") if name.suffix.lower() in _TYPED else name
@@ -63,8 +55,8 @@ def stem_of(name: Path) -> Path:
     return stem
 
 
-def write_plan(stem: Path, plan: "MadePlan") -> Written:
-    """Write all three. A drive is not lost: there is another name where one is taken, and another folder.
+def write_plan(stem: Path, plan: "MadePlan") -> tuple[PlanFiles, str]:
+    """Write all three. Return them, and why they have another name or folder than `stem` where that takes none.
 
     Raises OSError where no folder takes them.
     """
@@ -77,8 +69,8 @@ def write_plan(stem: Path, plan: "MadePlan") -> Written:
             why = why or error
             continue
         if why is not None:
-            return Written(files, f"{why.filename or stem}: cannot be written: {why.strerror or why}")
-        return Written(files, "" if files == PlanFiles.of(stem) else f"{stem} was taken meanwhile")
+            return files, f"{why.filename or stem}: cannot be written: {why.strerror or why}"
+        return files, "" if files == PlanFiles.of(stem) else f"{stem} was taken meanwhile"
     raise why or OSError
 
 

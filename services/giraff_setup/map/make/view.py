@@ -2,33 +2,24 @@
 
 import math
 import re
-import shutil
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Final
 
 import msgspec
-from rich.console import Group, RenderableType
-from rich.text import Text
+from rich.console import RenderableType
 
 from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.localization import MapPose
 from giraff_schemas.text import printable
-from giraff_tools.terminal.dots import takes_dots
-from giraff_tools.terminal.floor import FloorDrawing
+from giraff_tools.terminal.floor import plan_and_words
 from giraff_tools.terminal.screen import Screen, Terminal, View, open_screen
 from giraff_tools.terminal.text import json_line
 
-_LARGEST: Final = 80, 24
-"""Columns and lines of the floor plan."""
-_WORDS: Final = 5
-"""Lines of the terminal that the plan leaves to the words."""
 _FIGURES: Final = re.compile(r"\d+")
 _QUIET: Final = 3.0  # s between two lines
 _SAME: Final = 15.0  # s between two that differ in figures alone
 _TOLD: Final = ("map", "state", "reason", "x", "y", "yaw")
 """Fields of the pose that programs are told."""
-_drawing = lru_cache(maxsize=2)(FloorDrawing)
 
 
 @dataclass(frozen=True)
@@ -49,12 +40,7 @@ class GrowingPlan:
 
     def render(self) -> RenderableType:
         style = "green" if self.pose.state == "localized" else "yellow"
-        words = Text(printable(f"{self.robot} | {self.words}"), style)
-        if self.walls is None:
-            return words
-        columns, lines = shutil.get_terminal_size()
-        size = min(columns - 1, _LARGEST[0]), max(_WORDS, min(lines - _WORDS, _LARGEST[1]))
-        return Group(_drawing(self.walls, *size, dots=takes_dots()).draw(self.pose, style), words)
+        return plan_and_words(self.walls, self.pose, printable(f"{self.robot} | {self.words}"), style)
 
     def line(self) -> str:
         if not self.as_json:
