@@ -118,7 +118,8 @@ def test_a_plan_that_lacks_something_is_written_and_says_what(folder: Path, gira
     recorded(folder / "drive.mcap", SCANS[:60])
     code, out, _ = giraff("map", "make", "a home", "--from", "drive.mcap")
     assert code == 1
-    assert "verdict  no place was seen a second time" in out
+    assert "verdict  only 1." in out
+    assert "\n           no place was seen a second time" in out
     assert "next  giraff map show 'a home.toml'\n           giraff localize --map 'a home.toml'\n" in out
     assert read_map(Path("a home.toml")).walls
 
