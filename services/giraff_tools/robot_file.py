@@ -67,7 +67,7 @@ def record_all(path: Path, tables: Mapping[str, Mapping[str, Value]], *, kept_as
     with _explained(path, tables):
         before = path.read_bytes()
         after = _rewritten(before, tables)
-        kept = _keep(path, before, kept_as) if kept_as else None
+        kept = keep(path, before, kept_as) if kept_as else None
         try:
             write_file_durably(path, after)
         except OSError:
@@ -160,8 +160,8 @@ def _merged(was: Mapping[str, Any], table: Sequence[str], fields: Mapping[str, A
     return {**was, first: _merged(was.get(first, {}), rest, fields)}
 
 
-def _keep(path: Path, data: bytes, kept_as: str) -> Path:
-    """A copy, whole on disk, under a name that was free."""
+def keep(path: Path, data: bytes, kept_as: str) -> Path:
+    """Write a copy beside a file, whole on disk, under a name that was free; return its path. Raises OSError."""
     path = path.resolve()
     number = 1
     while True:

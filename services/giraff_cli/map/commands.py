@@ -56,6 +56,12 @@ def make(
         Path | None,
         typer.Option("--from", metavar="FILE", help="Of `giraff record`, instead of a robot.", show_default=False),
     ] = None,
+    onto: Annotated[
+        bool, typer.Option("--onto", help="The plan NAME is there: redraw what the drive sees of it.")
+    ] = False,
+    calibrate: Annotated[
+        bool, typer.Option("--calibrate", help="Write wheels and track, which a good plan tells, into the robot file.")
+    ] = False,
     robot: Robot = None,
     connect: Connect = None,
     seconds: Ending = None,
@@ -65,10 +71,10 @@ def make(
 
     The plan grows in this terminal, which also tells where the robot is on it, and what is missing. Ctrl-C ends the
     drive and writes NAME.yaml with its image NAME.pgm, and NAME.toml with straight walls; a second one gives it up.
-    It moves nothing and overwrites nothing.
+    It moves nothing and overwrites nothing; --onto keeps the old files by their date.
 
-    Exit code: 0 a good plan is written; 1 one that lacks something, or a part of the
-    recording cannot be read; 2 none.
+    Exit code: 0 a good plan is written; 1 one that lacks something, or elsewhere, or
+    the calibration is not, or a part of the recording cannot be read; 2 none.
     """
     if recording is not None and (robot is not None or connect or seconds is not None):
         why = "--robot, --connect and --for are for a live robot; a recording is of one already, and has an end"
@@ -79,7 +85,7 @@ def make(
     if recording is not None:
         from giraff_setup.map.make.recorded import make as from_recording  # noqa: PLC0415
 
-        raise typer.Exit(from_recording(plan, recording, as_json=as_json))
+        raise typer.Exit(from_recording(plan, recording, onto=onto, calibrate=calibrate, as_json=as_json))
     from giraff_setup.map.make.live import make as run  # noqa: PLC0415
 
-    raise typer.Exit(run(plan, robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(run(plan, robot, connect or (), seconds, onto=onto, calibrate=calibrate, as_json=as_json))

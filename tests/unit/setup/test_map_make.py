@@ -2,7 +2,9 @@
 
 import json
 import os
+import re
 import signal
+import tomllib
 from collections.abc import Callable, Sequence
 from itertools import count
 from pathlib import Path
@@ -114,6 +116,62 @@ def test_a_recorded_drive_becomes_a_grid_and_a_room_that_are_read(folder: Path, 
     )
 
 
+def test_what_a_drive_saw_is_redrawn_and_all_else_stays(folder: Path, giraff: Giraff) -> None:
+    recorded(folder / "drive.mcap", SCANS)
+    room = (Path(__file__).parents[3] / "deploy/worlds/living_room.toml").read_text(encoding="utf-8")
+    moved = 'name = "moved away"\npoints = [[3.0, 2.0], [3.4, 2.0], [3.4, 2.4], [3.0, 2.4]]\nclosed = true\n'
+    cellar = 'name = "cellar"\npoints = [[9.0, 0.0], [12.0, 0.0], [12.0, 3.0], [9.0, 3.0]]\nclosed = true\n'
+    Path("home.toml").write_text(f"{room}\n[[walls]]\n{moved}\n[[walls]]\n{cellar}", encoding="utf-8")
+    code, out, complaint = giraff("map", "make", "home", "--onto", "--from", "drive.mcap", "--json")
+    assert (code, complaint, json.loads(out)["good"]) == (0, "", True)
+    kept, *others = (name for name in names(".") if name not in {*NAMES, "drive.mcap"})
+    assert (kept.startswith("home.toml.before-"), others, "cellar" in Path(kept).read_text(encoding="utf-8")) == (
+        True,
+        [],
+        True,
+    )
+    (kept_room := Path("kept.toml")).write_bytes(Path(kept).read_bytes())
+    walls, true = read_map(Path("home.toml")).walls, read_map(kept_room).walls
+    assert max(off(walls, true, 0.2)) < 0.06
+    assert sum(wall[0] > 8.0 for wall in walls) == 4
+    assert not [wall for wall in walls if 2.9 < wall[0] < 3.5 and 1.9 < wall[1] < 2.5]
+    assert read_map(Path("home.yaml")).bounds.right == pytest.approx(12.0, abs=0.1)
+    other = f'name = "x"\nstart = {{ x = 0.0, y = 0.0, yaw_deg = 0.0 }}\n[[walls]]\n{cellar}'
+    Path("home.toml").write_text(other, encoding="utf-8")
+    code, _, complaint = giraff("map", "make", "home", "--onto", "--from", "drive.mcap")
+    assert (code, complaint.split(":")[1:]) == (
+        1,
+        [" home stays as it was", " it fits 'x' badly", " another plan, or much has moved; the plan is home-2.toml\n"],
+    )
+
+
+def test_a_good_plan_tells_the_robot_file_wheels_and_track(
+    folder: Path, giraff: Giraff, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot_file = folder / "robot.toml"
+    filed = (Path(__file__).parents[3] / "deploy/robot.toml").read_text(encoding="utf-8")
+    robot_file.write_text(
+        re.sub(r'^name = ".*"', 'name = "sim-test"', filed, count=1, flags=re.MULTILINE), encoding="utf-8"
+    )
+    monkeypatch.setenv("GIRAFF_CONFIG", str(robot_file))
+    true = drive(home("living_room"), 5, hz=5.0, spin=0.0)
+    recorded(folder / "drive.mcap", true.scans)
+    code, out, complaint = giraff("map", "make", "home", "--from", "drive.mcap", "--calibrate")
+    assert (code, complaint) == (0, "")
+    assert f"Written: [robot.calibration] of {robot_file}; as it was before: {robot_file}.before-" in out
+    told = tomllib.loads(robot_file.read_text(encoding="utf-8"))["robot"]["calibration"]
+    wheels = (told["left_wheel_scale"] + told["right_wheel_scale"]) / 2.0
+    assert wheels == pytest.approx(true.forward_scale, rel=0.005)
+    # Slip in turns makes up to 2 % of a turn, the more the faster it is.
+    assert wheels / told["track_scale"] == pytest.approx(true.turn_scale, rel=0.02)
+    recorded(folder / "short.mcap", true.scans[:60])
+    code, _, complaint = giraff("map", "make", "short", "--from", "short.mcap", "--calibrate")
+    assert (code, "the plan is not good, so that it tells nothing of the wheels" in complaint) == (1, True)
+    monkeypatch.setenv("GIRAFF_CONFIG", str(folder / "none.toml"))
+    assert giraff("map", "make", "none", "--from", "drive.mcap", "--calibrate")[0] == 2
+    assert not Path("none.toml").exists()
+
+
 def test_a_plan_that_lacks_something_is_written_and_says_what(folder: Path, giraff: Giraff) -> None:
     recorded(folder / "drive.mcap", SCANS[:60])
     code, out, _ = giraff("map", "make", "a home", "--from", "drive.mcap")
@@ -183,7 +241,7 @@ def test_a_drive_is_not_lost_where_its_name_or_its_folder_is_gone(
     made = driven()
     stem = files.stem_of(Path("home"))
     (folder / "home.pgm").write_text("mine")
-    assert finish.finish(made, stem, as_json=True) in {0, 1}
+    assert finish.finish(made, "robie", finish.Wish(stem, None, False), as_json=True) in {0, 1}
     assert "giraff: home was taken meanwhile; the plan is home-2.toml" in capsys.readouterr().err
     assert names(".") == ["home-2.pgm", "home-2.toml", "home-2.yaml", "home.pgm"]
     write = write_file_durably
@@ -194,13 +252,13 @@ def test_a_drive_is_not_lost_where_its_name_or_its_folder_is_gone(
         write(path, data)
 
     monkeypatch.setattr(files, "write_file_durably", full)
-    finish.finish(made, Path("flat"), as_json=True)
+    finish.finish(made, "robie", finish.Wish(Path("flat"), None, False), as_json=True)
     assert "giraff: flat.toml: cannot be written: No space left on device; the plan is" in capsys.readouterr().err
     assert names("../tmp") == ["flat.pgm", "flat.toml", "flat.yaml"]
     assert names("../me") == []
     assert len(names(".")) == 4
     monkeypatch.setattr(files, "write_file_durably", lambda path, _: write(path / "x", b""))
-    assert finish.finish(made, Path("flat"), as_json=True) == 2
+    assert finish.finish(made, "robie", finish.Wish(Path("flat"), None, False), as_json=True) == 2
     assert "nor in the home folder" in capsys.readouterr().err
 
 
@@ -216,11 +274,11 @@ def test_a_second_ctrl_c_writes_nothing_and_a_closed_terminal_does(
             yield part
 
     monkeypatch.setattr(made, "plan", lambda: interrupted(signal.SIGINT))
-    assert finish.finish(made, folder / "home", as_json=True) == 2
+    assert finish.finish(made, "robie", finish.Wish(folder / "home", None, False), as_json=True) == 2
     assert capsys.readouterr().err == "giraff: ended by a second Ctrl-C. Nothing was written\n"
     assert names(".") == []
     monkeypatch.setattr(made, "plan", lambda: interrupted(signal.SIGHUP))
-    assert finish.finish(made, folder / "home", as_json=True) in {0, 1}
+    assert finish.finish(made, "robie", finish.Wish(folder / "home", None, False), as_json=True) in {0, 1}
     assert names(".") == NAMES
 
 

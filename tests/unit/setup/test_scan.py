@@ -13,12 +13,12 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_core.senses import LaserScanner
+from giraff_maps.scan.match import Field, cloud_of, match
 from giraff_node.config.robot_file import load
 from giraff_schemas.topics import SCAN
 from giraff_schemas.trouble import Trouble
 from giraff_setup.scan.calibrate import guide
 from giraff_setup.scan.fit import Mount
-from giraff_maps.scan.match import Field, cloud_of, match
 from giraff_setup.scan.procedure import Surveyed, check, survey
 from giraff_setup.scan.stand import ScanStand
 from giraff_sim.board import ROOT

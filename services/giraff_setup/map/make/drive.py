@@ -26,6 +26,7 @@ class Drive:
 
     def __init__(self, robot: RobotConfig) -> None:
         """Raise MapError where this robot has no laser scanner."""
+        self.robot = robot
         self._scanners = robot.of(LaserScanner)
         if not self._scanners:
             raise MapError(
@@ -86,10 +87,10 @@ class Drive:
         """Place of the frame `odom` in the newest plan."""
         return _ORIGIN.seen_from(self._odom).placed_in(self.here)
 
-    def plan(self) -> Iterator[MadePlan | float]:
+    def plan(self, start: Pose | None = None) -> Iterator[MadePlan | float]:
         """Make a plan of what there is, as `make_plan`. There is a key turn at least."""
         scanner = self._scanners[self.scanner]
-        for part in make_plan(self.mapper, Pose(scanner.x, scanner.y, 0.0)):
+        for part in make_plan(self.mapper, Pose(scanner.x, scanner.y, 0.0), start):
             if isinstance(part, MadePlan):
                 self._start = part.start
             yield part

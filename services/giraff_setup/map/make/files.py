@@ -9,11 +9,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from giraff_maps.floor_plan import MapError
+from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_maps.grid_write import FREE, OCCUPIED, UNKNOWN, pgm_bytes, yaml_bytes
+from giraff_maps.read import read_map
 from giraff_maps.room_file import SHORTEST_WALL
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import printable
+from giraff_tools.robot_file import before_today, keep
 from giraff_tools.terminal.output import require_fresh
 
 if TYPE_CHECKING:
@@ -42,7 +44,7 @@ class PlanFiles(NamedTuple):
 
 def stem_of(name: Path) -> Path:
     """Return the path of a new plan, without an ending. Raises MapError where no plan can be written there."""
-    stem = name.with_suffix("") if name.suffix.lower() in _TYPED else name
+    stem = _stem(name)
     if len(os.fsencode(stem.name)) > _LONGEST:
         raise MapError(f"the name {stem.name[:20]}... is too long: give one of {_LONGEST} characters at most")
     if not stem.name or stem.name == ".." or os.path.isdir(stem):  # noqa: PTH112  Path's own raises for some
@@ -53,6 +55,23 @@ def stem_of(name: Path) -> Path:
         except ValueError as error:
             raise MapError(str(error)) from error
     return stem
+
+
+def plan_of(name: Path) -> tuple[Path, FloorPlan]:
+    """Return the path of a plan that is there, without an ending, and the plan. Raises MapError."""
+    stem = _stem(name)
+    files = PlanFiles.of(stem)
+    return stem, read_map(files.toml if files.toml.exists() or not files.yaml.exists() else files.yaml)
+
+
+def rewrite_plan(stem: Path, plan: "MadePlan") -> PlanFiles:
+    """Write all three in place of those that are there. These stay beside them, by their date. Raises OSError."""
+    files = PlanFiles.of(stem)
+    for path in files:
+        if path.exists():
+            keep(path, path.read_bytes(), before_today())
+    _write(files, stem.name, plan)
+    return files
 
 
 def write_plan(stem: Path, plan: "MadePlan") -> tuple[PlanFiles, str]:
@@ -82,12 +101,20 @@ def _write_in(folder: Path, name: str, plan: "MadePlan") -> PlanFiles:
             for path in files:
                 path.open("xb").close()  # the name is now this plan's
                 undo.callback(_remove, path)
-            write_file_durably(files.pgm, _pgm(plan.grid))
-            write_file_durably(files.yaml, yaml_bytes(files.pgm.name, float(plan.grid.cell), *_corner(plan.grid)))
-            write_file_durably(files.toml, room_bytes(stem.name, plan))
+            _write(files, stem.name, plan)
             undo.pop_all()
             return files
     raise FileExistsError(None, f"{_MOST} plans of this name are there", str(folder / name))
+
+
+def _write(files: PlanFiles, name: str, plan: "MadePlan") -> None:
+    write_file_durably(files.pgm, _pgm(plan.grid))
+    write_file_durably(files.yaml, yaml_bytes(files.pgm.name, float(plan.grid.cell), *_corner(plan.grid)))
+    write_file_durably(files.toml, room_bytes(name, plan))
+
+
+def _stem(name: Path) -> Path:
+    return name.with_suffix("") if name.suffix.lower() in _TYPED else name
 
 
 def _names(name: str) -> Iterator[str]:

@@ -4,13 +4,17 @@ import contextlib
 import signal
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
+from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_maps.scan.plan import MadePlan
+from giraff_maps.scan.redraw import placed_on, redrawn
 from giraff_setup.map.make.drive import Drive
-from giraff_setup.map.make.files import write_plan
+from giraff_setup.map.make.files import PlanFiles, plan_of, rewrite_plan, stem_of, write_plan
+from giraff_setup.map.make.wheels import calibrated
 from giraff_setup.map.make.words import document, report
 from giraff_tools.network.command import print_error
+from giraff_tools.robot_file import own_robot_file
 from giraff_tools.terminal.progress import Progress
 from giraff_tools.terminal.screen import say
 from giraff_tools.terminal.text import json_line
@@ -32,8 +36,30 @@ def _giving_up() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
-def finish(drive: Drive, stem: Path, *, as_json: bool, is_whole: bool = True) -> int:
-    """Return the exit code. `stem`: path of the plan without an ending. `is_whole`: nothing of the drive is missing."""
+class Wish(NamedTuple):
+    """The command line of the plan."""
+
+    stem: Path
+    """Path of the plan, without an ending."""
+    old: FloorPlan | None
+    """Plan of that name, which is redrawn. None: a new one is made."""
+    calibrate: bool
+    """The robot file is told wheels and track."""
+
+    def require_robot_file(self, robot: str) -> None:
+        """Raise ConfigError where the robot file cannot be told, before anything is driven."""
+        if self.calibrate:
+            own_robot_file(robot, None)
+
+
+def wish_of(name: Path, *, onto: bool, calibrate: bool) -> Wish:
+    """Return what is asked for. Raises MapError where there is no such plan, or one that is not to be redrawn."""
+    stem, old = plan_of(name) if onto else (stem_of(name), None)
+    return Wish(stem, old, calibrate)
+
+
+def finish(drive: Drive, robot: str, wish: Wish, *, as_json: bool, is_whole: bool = True) -> int:
+    """Return the exit code. `is_whole`: nothing of the drive is missing."""
     if not drive.mapper.keys:
         why = drive.trouble or f"{drive.scanner} sees no walls; drive where they are within its reach"
         return print_error(f"{why}. Nothing was written")
@@ -44,16 +70,31 @@ def finish(drive: Drive, stem: Path, *, as_json: bool, is_whole: bool = True) ->
         if not plan.walls:
             return print_error(f"nothing straight was seen on {drive.way:.1f} m. Nothing was written; drive farther")
         try:
-            files, elsewhere = write_plan(stem, plan)
+            plan, files, elsewhere = _written(drive, wish, plan)
         except OSError as error:
             return print_error(
-                f"{error.filename or stem}: cannot be written, nor in the home folder or the one for temporary files: "
-                f"{error.strerror or error}. Nothing was written"
+                f"{error.filename or wish.stem}: cannot be written, nor in the home folder or the one for temporary "
+                f"files: {error.strerror or error}. Nothing was written"
             )
         if elsewhere:
             print_error(f"{elsewhere}; the plan is {files.toml}")
         say(json_line(document(drive, plan, files)) if as_json else report(drive, plan, files))
-    return INCOMPLETE if plan.figures.missing or not is_whole else DONE
+    code = DONE if is_whole and not (plan.figures.missing or elsewhere) else INCOMPLETE
+    return (calibrated(drive, robot, plan.figures) and INCOMPLETE) or code if wish.calibrate else code
+
+
+def _written(drive: Drive, wish: Wish, plan: MadePlan) -> tuple[MadePlan, PlanFiles, str]:
+    """Return the plan as it was written, its files, and why these are not those that were asked for."""
+    if wish.old is None:
+        return plan, *write_plan(wish.stem, plan)
+    try:
+        *_, again = drive.plan(placed_on(wish.old, plan))
+        assert isinstance(again, MadePlan)  # noqa: S101  the last part
+        both = redrawn(wish.old, again)
+        return both, rewrite_plan(wish.stem, both), ""
+    except (MapError, OSError) as error:
+        files, _ = write_plan(wish.stem, plan)
+        return plan, files, f"{wish.stem} stays as it was: {error}"
 
 
 def _drawn(drive: Drive, given_up: list[int]) -> MadePlan | None:

@@ -15,6 +15,7 @@ from giraff_localization.config import LocalizationConfig
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_maps.scan.plan import MadePlan
 from giraff_node import Node
+from giraff_node.config.robot_file import ConfigError
 from giraff_node.config.settings import Settings
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
@@ -22,8 +23,7 @@ from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import MAP, POSE, SCAN
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_setup.map.make.drive import NO_SCAN, Drive
-from giraff_setup.map.make.files import stem_of
-from giraff_setup.map.make.finish import finish
+from giraff_setup.map.make.finish import finish, wish_of
 from giraff_setup.map.make.view import GrowingPlan, screen_of
 from giraff_setup.map.make.words import now_text
 from giraff_tools.network.command import print_error, run_with_robot
@@ -47,10 +47,19 @@ _SHOW_EVERY: Final = 0.2  # s
 _COVARIANCE: Final = (0.03**2, 0.0, 0.0, 0.03**2, 0.0, 0.01**2)
 
 
-def make(name: Path, robot: str | None, connect: Sequence[str], seconds: float | None, *, as_json: bool) -> int:
-    """Map until Ctrl-C, or for `seconds`; return the exit code."""
+def make(
+    name: Path,
+    robot: str | None,
+    connect: Sequence[str],
+    seconds: float | None,
+    *,
+    onto: bool,
+    calibrate: bool,
+    as_json: bool,
+) -> int:
+    """Map until Ctrl-C, or for `seconds`; return the exit code. `onto`, `calibrate`: as of `Wish`."""
     try:
-        stem = stem_of(name)
+        wish = wish_of(name, onto=onto, calibrate=calibrate)
     except MapError as error:
         return print_error(str(error))
 
@@ -58,21 +67,22 @@ def make(name: Path, robot: str | None, connect: Sequence[str], seconds: float |
         require_none(connection, "while a plan is made, this command tells where the robot is; end the other one first")
         limits = ask_limits(connection, "map make")
         try:
+            wish.require_robot_file(connection.robot)
             drive = Drive(limits)
-        except MapError as error:
+        except (MapError, ConfigError) as error:
             return print_error(str(error))
         # As of a door's client, which its session is: another address of this host must not begin the program anew.
         network = msgspec.structs.replace(connection.network, client=True)
-        settings = Settings(LocalizationConfig(map=stem.name), limits, network)
+        settings = Settings(LocalizationConfig(map=wish.stem.name), limits, network)
         with Node(LOCALIZATION.name, settings, session=connection.session) as node:
             signal.signal(signal.SIGHUP, lambda *_: node.leave())
             with closing(screen_of(as_json=as_json)) as screen:
                 try:
-                    making = PlanMaking(node, connection.robot, drive, stem.name, screen, seconds, as_json=as_json)
+                    making = PlanMaking(node, connection.robot, drive, wish.stem.name, screen, seconds, as_json=as_json)
                     node.run(making)
                 except Exception as error:  # noqa: BLE001  what was driven is written, whatever it is
                     print_error(f"ended by {type(error).__name__}: {error}; what was driven is kept")
-            return finish(drive, stem, as_json=as_json)
+            return finish(drive, connection.robot, wish, as_json=as_json)
 
     return run_with_robot(robot, connect, act, moves=True)
 

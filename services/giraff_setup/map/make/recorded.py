@@ -13,8 +13,7 @@ from giraff_schemas.codec import DecodeError
 from giraff_schemas.scan import LaserScan
 from giraff_schemas.topics import SCAN
 from giraff_setup.map.make.drive import Drive
-from giraff_setup.map.make.files import stem_of
-from giraff_setup.map.make.finish import finish
+from giraff_setup.map.make.finish import finish, wish_of
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.progress import Progress
 from giraff_tools.terminal.signals import StopSignal
@@ -22,11 +21,12 @@ from giraff_tools.terminal.signals import StopSignal
 _UPDATE_EVERY: Final = 10  # scans
 
 
-def make(name: Path, path: Path, *, as_json: bool) -> int:
-    """Return the exit code."""
+def make(name: Path, path: Path, *, onto: bool, calibrate: bool, as_json: bool) -> int:
+    """Return the exit code. `onto`, `calibrate`: as of `Wish`."""
     try:
-        stem = stem_of(name)
+        wish = wish_of(name, onto=onto, calibrate=calibrate)
         recording = Recording(path)
+        wish.require_robot_file(recording.robot)
         drive = Drive(table_of(recording, "robot", RobotConfig))
         unread = Unread()
         with StopSignal() as stopping, Progress("mapping", shown=not as_json) as progress:
@@ -43,7 +43,7 @@ def make(name: Path, path: Path, *, as_json: bool) -> int:
         print_error(f"{path}: {line}")
     if stopping.asked:
         print_error(f"{path}: ended early; this is of what came before")
-    return finish(drive, stem, as_json=as_json, is_whole=not (unread or strange))
+    return finish(drive, recording.robot, wish, as_json=as_json, is_whole=not (unread or strange))
 
 
 def _feed(

@@ -10,12 +10,38 @@ import numpy as np
 from giraff_core.kinematics.pose import Pose
 from giraff_maps.scan.mapper import KeyTurn
 from giraff_maps.scan.match import Floats
+from giraff_maps.scan.plan import Figures
+from giraff_node.config.robot_file import ConfigError
+from giraff_setup.map.make.drive import Drive
+from giraff_setup.wheels.odometry.conclusion import conclude, refuse
 from giraff_setup.wheels.odometry.runs import Geometry, MeasuredPose, Run
+from giraff_tools.robot_file import own_robot_file
+from giraff_tools.terminal.document import REFUSED, UNUSABLE
 
 _LENGTH: Final = 4.0  # m of each run
 _SHORTEST: Final = 1.5  # m
 _SPUN: Final = 0.012  # m by which a step of the wheels differs from the plan where one has spun
 _STRAIGHT: Final = 0.1  # rad of a step
+
+
+def calibrated(drive: Drive, robot: str, figures: Figures) -> int:
+    """Fit wheels and track to the drive and write them into the robot file; return the exit code."""
+    try:
+        path, filed = own_robot_file(robot, None)
+    except ConfigError as error:
+        return refuse(str(error), UNUSABLE)
+    if figures.missing:
+        return refuse("the plan is not good, so that it tells nothing of the wheels. Nothing was written.", REFUSED)
+    gone_by = drive.robot
+    if (filed.track_width, filed.ticks_per_metre) != (gone_by.track_width, gone_by.ticks_per_metre):
+        return refuse(
+            f"track_width and ticks_per_metre of {path} are not those that the robot goes by; copy its robot file "
+            "here. Nothing was written.",
+            REFUSED,
+        )
+    geometry = Geometry(gone_by.ticks_per_metre, gone_by.track_width, gone_by.calibration.scales)
+    runs = runs_of(drive.mapper.keys, geometry)
+    return conclude(runs[::2], runs[1::2], geometry, path, force=False).code
 
 
 def runs_of(keys: Sequence[KeyTurn], geometry: Geometry) -> list[Run]:

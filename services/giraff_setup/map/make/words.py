@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _LABEL: Final = 9  # characters
 _WIDTH: Final = 70
+_WORTH: Final = 0.005  # share by which odometry is off that is worth a word
 _INDENT: Final = " " * (_LABEL + 2)
 _GOOD: Final = "good; Ctrl-C ends the drive and writes the plan"
 _BEGUN: Final = "drive slowly through all rooms, and back to where you began; Ctrl-C then writes the plan"
@@ -53,6 +54,10 @@ def _rows(drive: Drive, plan: "MadePlan", files: PlanFiles) -> Iterator[tuple[st
     gap = f", the worst one {figures.loop_gap * 100.0:.1f} cm off" if figures.loops else ""
     yield "loops", f"{figures.loops}{gap}"
     yield "doubles", f"{figures.doubles:.1%} of the walls stand twice"
+    scales = drive.mapper.scale, drive.mapper.turn_scale
+    if not figures.missing and any(abs(scale - 1.0) > _WORTH for scale in scales):
+        way, turns = (f"{abs(scale - 1.0):.1%} too {'little' if scale > 1.0 else 'much'}" for scale in scales)
+        yield "wheels", f"odometry tells {way} way and {turns} turning;\n--calibrate writes what wheels and track are"
     yield "verdict", "\n".join(fill(str(each), _WIDTH) for each in figures.missing) or "good"
     yield "files", "\n".join(map(str, files))
     yield "next", f"giraff map show {room}\ngiraff localize --map {room}"
