@@ -22,7 +22,7 @@ _DOUBTED: Final = 25.0  # squared deviations from which on a loop weighs less
 
 
 class Edge(NamedTuple):
-    """What was measured between two key turns."""
+    """A measurement between two key turns."""
 
     begin: int
     end: int

@@ -1,4 +1,4 @@
-"""What the key turns saw, as an occupancy grid: where something stands, where nothing does, and what nobody saw."""
+"""An occupancy grid of what the key turns saw: where something stands, where nothing does, and what nobody saw."""
 
 from collections.abc import Sequence
 from typing import Final, NamedTuple

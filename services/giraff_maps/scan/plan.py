@@ -26,7 +26,7 @@ _DOUBLED: Final = 0.008
 
 
 class Figures(msgspec.Struct, frozen=True, kw_only=True):
-    """How a plan was made."""
+    """Figures of a plan: how it was made, and how far it can be believed."""
 
     way: float
     """m driven."""

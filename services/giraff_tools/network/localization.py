@@ -1,4 +1,4 @@
-"""Whether somebody already tells where a robot is on the map."""
+"""Asks whether somebody already tells where a robot is on the map."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""What wheels and track truly are, by the plan that was made of a drive: the drive as runs of `calibrate odometry`."""
+"""Fits wheels and track to a drive by the plan that was made of it: the drive as runs of `calibrate odometry`."""
 
 import math
 from collections.abc import Iterator, Sequence
