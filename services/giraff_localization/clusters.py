@@ -80,7 +80,7 @@ def clusters(cloud: Cloud) -> list[Cluster]:
         square = np.einsum("in,jn->ij", off * share, off)
         spread = math.sqrt(square[0, 0] + square[1, 1])
         pose = Pose(float(middle_x), float(middle_y), math.remainder(float(middle_yaw), math.tau))
-        found.append(Cluster(pose, mass, spread, _upper(square)))
+        found.append(Cluster(pose, mass, spread, upper(square)))
         left_over = np.where(near, 0.0, left_over)
     return found
 
@@ -93,9 +93,10 @@ def whole(cloud: Cloud) -> Cluster:
     off = np.array([x - x.mean(), y - y.mean(), aside])
     square = np.einsum("in,jn->ij", off, off) / len(x)
     pose = Pose(float(x.mean()), float(y.mean()), middle_yaw)
-    return Cluster(pose, 1.0, math.sqrt(square[0, 0] + square[1, 1]), _upper(square))
+    return Cluster(pose, 1.0, math.sqrt(square[0, 0] + square[1, 1]), upper(square))
 
 
-def _upper(square: npt.NDArray[np.float64]) -> Covariance:
+def upper(square: npt.NDArray[np.float64]) -> Covariance:
+    """Return the six values of a covariance of three."""
     xx, xy, xt, _, yy, yt, _, _, tt = (float(each) for each in square.ravel())
     return xx, xy, xt, yy, yt, tt

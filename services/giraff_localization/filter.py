@@ -23,9 +23,9 @@ from giraff_localization.equivalent_places import EquivalentPlaces
 from giraff_localization.fit import RECENT, Fit, compare
 from giraff_localization.floor import Floor
 from giraff_localization.free_space import Floats
+from giraff_localization.given_pose import GivenPose
 from giraff_localization.judgement import Fits, Judgement
 from giraff_localization.restart_cloud import RestartCloud
-from giraff_localization.search import GivenPose
 from giraff_localization.track import Stride, Track
 from giraff_schemas.messages import Range
 from giraff_schemas.scan import LaserScan

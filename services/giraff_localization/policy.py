@@ -20,8 +20,8 @@ from giraff_core.robot import RobotConfig
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.filter import Filter
 from giraff_localization.floor import Floor
+from giraff_localization.given_pose import GivenPose
 from giraff_localization.scan_search import ScanSearch
-from giraff_localization.search import GivenPose, Search
 from giraff_localization.track import Track
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
@@ -39,6 +39,9 @@ from giraff_schemas.messages import Odometry, Range
 from giraff_schemas.scan import LaserScan
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
+Search = Filter | ScanSearch
+"""Has a pose and its covariance, the place on the track where it was `updated_at`, a judgement and what is `explained`,
+a sample of what it follows, and takes samples and updates, in parts."""
 _SHOWN: Final = 300
 """Particles."""
 _REMEMBERED: Final = 64

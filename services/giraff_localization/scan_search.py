@@ -10,23 +10,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_core.senses import LaserScanner
+from giraff_localization.clusters import upper
 from giraff_localization.free_space import Floats as Floats32
 from giraff_localization.free_space import FreeSpace
-from giraff_localization.judgement import (
-    CHECKS,
-    DOUBTS,
-    LOOKS,
-    TOLD_HOLDS,
-    UNCONFIRMED,
-    UNHEARD,
-    UNJUDGED,
-    several_fit,
-)
-from giraff_localization.search import GivenPose
+from giraff_localization.given_pose import GivenPose
+from giraff_localization.judgement import CHECKS, DOUBTS, LOOKS, TOLD_HOLDS, UNCONFIRMED, UNHEARD, UNJUDGED, several_fit
 from giraff_localization.track import Track
 from giraff_maps.scan.match import Cloud, Floats, match
 from giraff_maps.scan.plan_walls import PlanWalls
@@ -37,31 +28,32 @@ from giraff_schemas.messages import Range, RobotTime
 from giraff_schemas.scan import LaserScan
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-_STEP, _TURN = 0.1, math.radians(10.0)
-"""m or rad from one update to the next: a robot that stands learns nothing."""
+_STEP, _TURN = 0.1, math.radians(10.0)  # m or rad to the next update: a robot that stands learns nothing
 _TURNING: Final = 0.1  # m of way that a radian counts for
 _GRID: Final = 4  # cells from one place that is scored to the next: 0.2 m
-_HEADINGS: Final = [number * math.tau / 120 for number in range(120)]
+_HEADINGS: Final = 120  # all round
 _MOST: Final = 40  # places that are matched
 _SPREAD: Final = 0.3, 0.3, 0.1  # m, m, rad by which a scored place may be off
-_SDS: Final = 3.0  # within which a place lies that was told
-_WITHIN, _WITHIN_YAW = 0.01, 0.01  # m, rad after no way, of odometry
-_DRIFT, _DRIFT_YAW = 0.1, 0.08  # and after a metre or radian more
-_LEAP: Final = 0.5  # m between two updates that odometry leapt, and not the robot
-_MISSED: Final = 0.3  # m or rad that odometry may have missed and the robot is still found there
-_SAME, _SAME_YAW = 0.2, 0.2  # m, rad between two places that are one
+_SDS: Final = 3.0  # standard deviations within which a place is that was told
+_WITHIN: Final = 0.01  # m and rad by which odometry is off after no way
+_DRIFT, _DRIFT_YAW = 0.1, 0.08  # and for each m and rad
+_LEAP: Final = 0.5  # m between two updates: where odometry leapt, that was no motion
+_MISSED: Final = 0.3  # m or rad that odometry has missed, after which all places are looked at
+_SAME: Final = 0.2  # m and rad between two places that are one
+_LEAST: Final = np.diag([0.01, 0.01, math.radians(0.3)]) ** 2  # covariance that is always added
 
-_MEMORY, _RECENT = 1.0, 0.3  # m over which a place is judged, and found to be wrong
-_WORSE, _WORSE_YOUNG, _YOUNG = 0.10, 0.20, 2.0  # share of the points less than the best, at which it falls; m
-_GOOD, _HELD = 0.70, 1.0  # share that the one place explains to be known, and m on which it does
-_KEPT: Final = 0.60  # share below which it is known no more
-_DOUBTED: Final = 0.10  # share less than over the last metre, at which other places are looked at
+_MEMORY, _RECENT = 1.0, 0.3  # m over which a place is judged, and is found to be wrong
+_WORSE, _WORSE_YOUNG, _YOUNG = (
+    0.10,
+    0.20,
+    2.0,
+)  # share less than the best at which one falls; m while it is young
+_GOOD, _HELD = 0.70, 1.0  # share that the last place explains to be known, and m for which it does
+_KEPT, _DOUBTED = 0.60, 0.10  # share below which it is known no more; share less than before at which others are tried
 _FITS: Final = 0.5  # share below which a place explains nothing
-_BADLY, _BADLY_LONG = 2.0, 10.0  # m after which the plan is doubted: where nothing fits, where nothing fits well
+_BADLY, _BADLY_LONG = 2.0, 10.0  # m after which the plan is doubted: where nothing fits, and where nothing fits well
 _NARROW, _WIDE = 0.35, 0.6  # m: standard deviation up to which a place is known, and stays known
-_AGAIN: Final = 3.0  # m after which all places are looked at again while none is known
-_CONFIRMS: Final = 0.5  # m after which they are, before the one that is left is believed
-_LEAST: Final = np.diag([0.01, 0.01, math.radians(0.3)]) ** 2
+_AGAIN, _CONFIRMS = 3.0, 0.5  # m after which all places are looked at again: none is known, or one is left
 
 _FITS_BADLY: Final = Trouble(
     "the scan fits this plan badly: it is of another place, or much has moved",
@@ -77,8 +69,8 @@ class ScanJudgement(NamedTuple):
 
     state: LocalizationState
     reason: Trouble
-    candidates: tuple[Candidate, ...] = ()
-    way: float = 0.0
+    candidates: tuple[Candidate, ...]
+    way: float
 
 
 class _Place:
@@ -87,8 +79,7 @@ class _Place:
     def __init__(self, pose: Floats, spread: tuple[float, float, float]) -> None:
         self.pose, self.covariance = pose, np.diag(np.square(spread))
         self.share = self.fit = self.recent = self.age = 0.0
-        """Share of the points that it explains in the newest turn, over the last metre and just now; m that it has been
-        followed."""
+        """Share of the points that it explains: in the newest turn, over the last metre, just now; m of way with it."""
 
     @property
     def spread(self) -> float:
@@ -97,24 +88,21 @@ class _Place:
 
     def carry(self, moved: Pose, missed: tuple[float, float]) -> None:
         """Go as odometry says. `missed`: m and rad that it may be off beside its usual errors."""
-        before = self.pose
-        self.pose = np.array(moved.placed_in(Pose(*before.tolist())))
+        before, self.pose = self.pose, np.array(moved.placed_in(Pose(*self.pose.tolist())))
         x, y, _ = self.pose - before
         slope = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]])
-        drift = _WITHIN + _DRIFT * math.hypot(moved.x, moved.y)
-        drift_yaw = _WITHIN_YAW + _DRIFT_YAW * abs(moved.yaw)
-        variances = drift**2 + missed[0] ** 2, drift**2 + missed[0] ** 2, drift_yaw**2 + missed[1] ** 2
-        self.covariance = slope @ self.covariance @ slope.T + np.diag(variances)
+        drift = math.hypot(_WITHIN + _DRIFT * math.hypot(moved.x, moved.y), missed[0])
+        drift_yaw = math.hypot(_WITHIN + _DRIFT_YAW * abs(moved.yaw), missed[1])
+        self.covariance = slope @ self.covariance @ slope.T + np.diag([drift, drift, drift_yaw]) ** 2
 
     def match(self, walls: PlanWalls, cloud: Cloud) -> None:
-        """Take what a turn saw. No matrix here is singular: the covariance never is."""
+        """Go where the turn fits. No matrix here is singular, since the covariance never is."""
         found = match(walls, cloud, self.pose, np.sqrt(np.diag(self.covariance)).tolist())
-        self.pose = found.pose
-        self.covariance = np.linalg.inv(found.information + np.linalg.inv(self.covariance))
+        self.pose, self.covariance = found.pose, np.linalg.inv(found.information + np.linalg.inv(self.covariance))
         self.share = walls.explained(cloud.placed(self.pose).points)
 
-    def age_by(self, effort: float) -> None:
-        """Count the newest turn."""
+    def judge(self, effort: float) -> None:
+        """Take what it explains of the newest turn."""
         self.fit += (self.share - self.fit) * (1.0 - math.exp(-effort / _MEMORY))
         self.recent += (self.share - self.recent) * (1.0 - math.exp(-effort / _RECENT))
         self.age += effort
@@ -126,28 +114,26 @@ class ScanSearch:
     def __init__(
         self, space: FreeSpace, walls: PlanWalls, robot: RobotConfig, track: Track, told: GivenPose | None
     ) -> None:
-        self._walls, self._told = walls, told
-        (self._sensor, scanner), *_ = robot.of(LaserScanner).items()
-        self._turns = Turns(scanner)
+        self._sensor, scanner = next(iter(robot.of(LaserScanner).items()))
+        self._walls, self._told, self._turns = walls, told, Turns(scanner)
         self._newest: tuple[Cloud, bool, RobotTime] | None = None
         """Turn that waits to be looked at, whether odometry leapt before it, and the moment of its end."""
         self._free = space.places(_GRID)
         self._places: list[_Place] = []
         self._missed = 0.0, 0.0
         self._held = self._way = self._since_look = 0.0
-        self._told_left = TOLD_HOLDS if told is not None and not told.is_wide else 0.0
-        self._is_told = self._is_confirmed = self._told_left > 0.0
-        self._was_known = self._is_blind = False
+        self._is_told = self._is_confirmed = told is not None and not told.is_wide
+        self._told_left = TOLD_HOLDS if self._is_told else 0.0
+        self._was_known = self._is_blind = self._is_refuted = False
         self._state: LocalizationState = "told" if self._is_told else "lost"
         track.pop_stride()
         self.updated_at = track.pose
-        self.pose, self._covariance = self._begun(told)
+        (x, y), sds = self._free.mean(axis=0).tolist(), [*self._free.std(axis=0), math.tau / math.sqrt(12.0)]
+        self.pose, self.covariance = Pose(x, y, 0.0), upper(np.diag(sds) ** 2)
+        if told is not None:
+            self.pose = told.pose
+            self.covariance = upper(np.diag([told.position_sd, told.position_sd, told.yaw_sd]) ** 2)
         self.judgement = self._judged()
-
-    @property
-    def covariance(self) -> Covariance:
-        xx, xy, xt, _, yy, yt, _, _, tt = self._covariance.ravel().tolist()
-        return xx, xy, xt, yy, yt, tt
 
     @property
     def explained(self) -> float:
@@ -180,18 +166,17 @@ class ScanSearch:
                 return self._lose()
         if self._newest is not None and not track.is_ahead(self._newest[2]):
             cloud, leapt, end = self._newest
-            if (at := track.at(end)) is None:
+            at = track.at(end)
+            moved = Pose(0.0, 0.0, 0.0) if at is None else at.seen_from(self.updated_at)
+            far = math.hypot(moved.x, moved.y)
+            if at is None:
                 self._newest = None
-            else:
-                moved = at.seen_from(self.updated_at)
-                far = math.hypot(moved.x, moved.y)
-                if far >= _STEP or abs(moved.yaw) >= _TURN or not self._places:
-                    if self._places and leapt and far > _LEAP:
-                        self._lose()
-                    self._newest, missed_here, self._missed = None, self._missed, (0.0, 0.0)
-                    self._way += track.way
-                    track.pop_stride()
-                    return self._update(cloud, at, moved, missed_here)
+            elif far >= _STEP or abs(moved.yaw) >= _TURN or not self._places:
+                if self._places and leapt and far > _LEAP:
+                    self._lose()
+                missed_here, self._newest, self._missed = self._missed, None, (0.0, 0.0)
+                self._way += track.pop_stride().way
+                return self._update(cloud, at, moved, missed_here)
         if track.way > UNHEARD and not self._is_blind:
             self._is_blind = True
             return self._lose()
@@ -201,7 +186,8 @@ class ScanSearch:
         """Forget all places: the next turn is looked for anywhere."""
         self._was_known |= self._state == "localized"
         self._state, self._places, self._told, self._is_confirmed = "lost", [], None, False
-        self._held = self._way = self._told_left = 0.0
+        self._held = self._way = 0.0
+        self._is_refuted = False
         self.judgement = self._judged()
         return iter(())
 
@@ -212,101 +198,97 @@ class ScanSearch:
         for place in self._places:
             place.carry(moved, missed)
             place.match(self._walls, cloud)
-            place.age_by(effort)
+            place.judge(effort)
             yield
-        if not self._places or self._looks_again():
+        if not self._places or self._since_look >= self._looks_after(self._places[0]):
             confirms = self._held >= _CONFIRMS
             yield from self._find(cloud, moved, missed)
             self._is_confirmed |= confirms
-        self._drop()
-        best = self._places[0]
+        self._places.sort(key=lambda place: -place.fit)
+        best, kept = self._places[0], list[_Place]()
+        for place in self._places:
+            worse = _WORSE if place.age >= _YOUNG else _WORSE_YOUNG
+            if place.fit > best.fit - worse and all(are_apart(place.pose, each.pose, _SAME, _SAME) for each in kept):
+                kept.append(place)
+        self._places = kept
         self.updated_at, self.pose = at, Pose(*best.pose.tolist())
-        self._covariance = best.covariance + _LEAST
+        self.covariance = upper(best.covariance + _LEAST)
         self._judge(best, effort)
 
-    def _looks_again(self) -> bool:
-        """Return whether all places are looked at: another one may explain more."""
-        best = self._places[0]
+    def _looks_after(self, best: _Place) -> float:
+        """Return m since the last time after which all places are looked at: another one may explain more."""
         if self._state == "localized":
-            return best.recent < best.fit - _DOUBTED and self._since_look >= _MEMORY
+            return _MEMORY if best.recent < best.fit - _DOUBTED else math.inf
         if self._state == "told":
-            return False
-        return self._since_look >= _AGAIN or (self._held >= _CONFIRMS and not self._is_confirmed)
+            return UNJUDGED
+        return 0.0 if self._held >= _CONFIRMS and not self._is_confirmed else _AGAIN
 
     def _find(self, cloud: Cloud, moved: Pose, missed: tuple[float, float]) -> Generator[None, None, None]:
         """Look for the turn anywhere, or about the place that was told: add the places that explain it."""
-        free, headings, starts, told = self._free, np.array(_HEADINGS), list[_Place](), self._told
+        free, headings, told, starts = (
+            self._free,
+            np.linspace(0.0, math.tau, _HEADINGS, False),
+            self._told,
+            list[_Place](),
+        )
         if told is not None:
-            pose, sd, yaw_sd = told
-            place = _Place(np.array(pose), (sd + _WITHIN, sd + _WITHIN, yaw_sd + _WITHIN_YAW))
-            place.carry(moved, missed)
-            starts.append(place)
-            x, y, yaw = place.pose
-            free = free[np.hypot(*(free - (x, y)).T) <= _SDS * sd]
-            turned = np.abs((headings - yaw + math.pi) % math.tau - math.pi)
+            sd, yaw_sd = told.position_sd, told.yaw_sd
+            starts.append(_Place(np.array(told.pose), (sd + _WITHIN, sd + _WITHIN, yaw_sd + _WITHIN)))
+            starts[0].carry(moved, missed)
+            free = free[np.hypot(*(free - starts[0].pose[:2]).T) <= _SDS * sd]
+            turned = np.abs((headings - starts[0].pose[2] + math.pi) % math.tau - math.pi)
             headings = headings[turned <= _SDS * yaw_sd]
-        if free.size and headings.size:
-            poses = yield from self._walls.best(cloud.points, free, headings, _MOST)
-            starts += [_Place(pose, _SPREAD) for pose in poses]
+        poses = yield from self._walls.best(cloud.points, free, headings, _MOST)
+        starts += [_Place(pose, _SPREAD) for pose in poses]
         for place in starts:
             place.match(self._walls, cloud)
             yield
         starts.sort(key=lambda place: -place.share)
-        margin = _WORSE if self._places else _WORSE_YOUNG
-        if self._state == "localized":
-            margin = -_WORSE  # what explains less or as much is no reason to doubt
-        best = self._places[0] if self._places else starts[0]
-        fit = best.fit if self._places else best.share
-        for place in starts[:1] if told is not None and not told.is_wide else starts:
-            if place.share > best.share - margin:
-                place.fit = place.recent = fit + place.share - best.share
-                self._places.append(place)
+        if told is not None and not told.is_wide:
+            del starts[1:]
+        best, worse = self._places[0] if self._places else starts[0], _WORSE
+        if not self._places:
+            best.fit, worse = best.share, _WORSE_YOUNG
+        elif self._state in ("localized", "told"):
+            worse = -_WORSE  # what explains as much is no reason to doubt
+        found = [place for place in starts if place.share > best.share - worse]
+        fit = best.fit
+        for place in found:
+            place.fit = place.recent = fit + place.share - best.share
+            place.age = best.age
+        self._places += found
+        self._is_refuted = worse < 0.0 and bool(found)
         self._told, self._since_look = None, 0.0
-
-    def _drop(self) -> None:
-        """Keep the places that explain about as much as the best one, best first."""
-        self._places.sort(key=lambda place: -place.fit)
-        kept = list[_Place]()
-        for place in self._places:
-            worse = _WORSE if place.age >= _YOUNG else _WORSE_YOUNG
-            if place.fit > self._places[0].fit - worse and all(
-                are_apart(place.pose, other.pose, _SAME, _SAME_YAW) for other in kept
-            ):
-                kept.append(place)
-        self._places = kept
 
     def _judge(self, best: _Place, effort: float) -> None:
         is_one = len(self._places) == 1
         self._held = self._held + effort if is_one and best.fit >= _GOOD and best.spread <= _NARROW else 0.0
-        self._told_left = max(0.0, self._told_left - effort)
-        if self._state == "localized":
-            if best.recent < _KEPT or best.spread > _WIDE or best.age == 0.0:
+        self._told_left -= effort
+        if self._state in ("localized", "told") and self._is_refuted:
+            self._lose()
+        elif self._state == "localized":
+            if best.recent < _KEPT or best.spread > _WIDE:
                 self._lose()
-                return
         elif self._held >= _HELD and self._is_confirmed:
             self._state, self._is_told = "localized", False
         elif self._state == "told":
-            is_wrong = best.recent < _FITS and self._told_left < TOLD_HOLDS - UNJUDGED
-            if is_wrong or not self._told_left or not is_one:
+            if self._told_left <= 0.0 or (best.recent < _FITS and self._told_left < TOLD_HOLDS - UNJUDGED):
                 self._lose()
-                return
         else:
             self._state = "ambiguous" if not is_one and best.fit >= _FITS else "lost"
-        if self._state == "localized":
-            self._way = 0.0
+        self._way = 0.0 if self._state == "localized" else self._way
         self.judgement = self._judged()
 
     def _judged(self) -> ScanJudgement:
         if self._state == "localized":
-            return ScanJudgement("localized", NO_TROUBLE)
-        weights = np.exp([(place.fit - self.explained) / _WORSE for place in self._places])
-        candidates = tuple(
+            return ScanJudgement("localized", NO_TROUBLE, (), 0.0)
+        likely = np.exp([(place.fit - self.explained) / _WORSE for place in self._places])
+        poses, beliefs = self.sample(len(likely)).T.tolist(), (likely / likely.sum()).tolist()
+        candidates = (
             Candidate(x=x, y=y, yaw=math.remainder(yaw, math.tau), belief=belief)
-            for (x, y, yaw), belief in zip(
-                (place.pose.tolist() for place in self._places), (weights / weights.sum()).tolist(), strict=True
-            )
+            for (x, y, yaw), belief in zip(poses, beliefs, strict=True)
         )
-        return ScanJudgement(self._state, self._reason, candidates, self._way)
+        return ScanJudgement(self._state, self._reason, tuple(candidates), self._way)
 
     @property
     def _reason(self) -> Trouble:
@@ -321,12 +303,3 @@ class ScanSearch:
         if self._is_told:
             return UNCONFIRMED
         return DOUBTS if self._was_known else LOOKS
-
-    def _begun(self, told: GivenPose | None) -> tuple[Pose, Floats]:
-        """Return the best guess before anything was seen, and its covariance."""
-        if told is not None:
-            return told.pose, np.diag([told.position_sd, told.position_sd, told.yaw_sd]) ** 2
-        x, y = self._free.mean(axis=0).tolist()
-        covariance = np.diag([0.0, 0.0, math.tau**2 / 12.0])
-        covariance[:2, :2] = np.cov(self._free.T)
-        return Pose(x, y, 0.0), covariance

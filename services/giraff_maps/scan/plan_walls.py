@@ -22,9 +22,9 @@ _SPLIT: Final = 0.4  # rad: faces are told apart by which half of all directions
 _SIGMA: Final = 0.12  # m: standard deviation of a point off its wall, of scores
 _ON_WALL: Final = 0.15  # m: less, and the small errors of a plan choose between rooms that are alike
 _POINTS: Final = 60  # of a turn, that are scored
-_RIM: Final = 12.6  # m about the plan in which points may lie
+_RIM_CELLS: Final = 150  # of a field, half of those round about the plan in which points may lie: 12 m
 _PART: Final = 600_000  # points that one part looks up: some milliseconds
-_TOP: Final = 4000  # scores among which the best are sought
+_TOP: Final = 200  # scores of each heading, among which the best are sought
 _SAME, _SAME_YAW = 0.35, 0.2  # m, rad between two poses that are one
 
 
@@ -45,7 +45,7 @@ class PlanWalls:
         yield 0.7
         self._other = Field([self._seen(points, -normals)])
         yield 0.9
-        self._likely = self._near.likelihood(_SIGMA, math.ceil(_RIM / CELL / 2.0))
+        self._likely = self._near.likelihood(_SIGMA, _RIM_CELLS)
         yield 1.0
 
     def alike(self, points: Floats, normals: Floats) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
@@ -61,36 +61,34 @@ class PlanWalls:
     def explained(self, points: Floats) -> float:
         """Return the share of the points that lie on walls, whichever side they are seen from."""
         at, _, known = self._near.nearest(points)
-        return np.count_nonzero(known & (((points - at) ** 2).sum(axis=1) < _ON_WALL**2)) / max(1, len(points))
+        return float(np.count_nonzero(known & (((points - at) ** 2).sum(axis=1) < _ON_WALL**2))) / max(1, len(points))
 
     def best(self, points: Floats, places: Floats, headings: Floats, most: int) -> Generator[None, None, list[Floats]]:
         """Score a turn at each place (m) with each heading (rad), in parts. Return the best poses, best first."""
         points = points[np.linspace(0, len(points) - 1, _POINTS).astype(int)]
-        points = points[np.hypot(*points.T) < _RIM - CELL]
-        width, likely = self._likely.shape[1], self._likely.ravel()
-        rim = 2 * math.ceil(_RIM / CELL / 2.0)
+        points = points[np.hypot(*points.T) < 2 * _RIM_CELLS * CELL]
+        width, likely, rim = self._likely.shape[1], self._likely.ravel(), 2 * _RIM_CELLS
         base = (self._near.cells(places) + rim) @ (width, 1)
-        scores = np.zeros((len(headings), len(places)), np.float32)
-        at_once = max(1, _PART // max(1, len(points)))
-        tried = 0
-        for number, heading in enumerate(headings):
+        at_once, tried = max(1, _PART // len(points)), 0
+        scored = [np.zeros((0, 4))]
+        for heading in headings:
             beside = np.rint(rotated(heading, points) / CELL).astype(np.int64) @ (width, 1)
+            scores = np.zeros(len(places), np.float32)
             for first in range(0, len(places), at_once):
                 part = slice(first, first + at_once)
-                looked = likely[base[part, None] + beside]
-                scores[number, part] = looked.mean(axis=1)
-                tried += looked.size
+                scores[part] = likely[base[part, None] + beside].mean(axis=1)
+                tried += len(scores[part]) * len(points)
                 if tried >= _PART:
                     yield
                     tried = 0
-        top = np.argpartition(scores.ravel(), -min(_TOP, scores.size))[-_TOP:]
-        top = top[np.argsort(-scores.ravel()[top], kind="stable")]
-        poses = np.column_stack([places[top % len(places)], headings[top // len(places)]])
-        found = list[Floats]()
-        while len(poses) and len(found) < most:
-            found.append(poses[0])
-            turned = np.abs((poses[:, 2] - poses[0, 2] + math.pi) % math.tau - math.pi)
-            poses = poses[(np.hypot(*(poses[:, :2] - poses[0, :2]).T) > _SAME) | (turned > _SAME_YAW)]
+            top = np.argpartition(scores, -min(_TOP, len(scores)))[-_TOP:]
+            scored.append(np.column_stack([places[top], np.full(len(top), heading), scores[top]]))
+        left, found = np.concatenate(scored), list[Floats]()
+        left = left[np.argsort(-left[:, 3], kind="stable")[: 20 * _TOP], :3]
+        while len(left) and len(found) < most:
+            found.append(left[0])
+            turned = np.abs((left[:, 2] - left[0, 2] + math.pi) % math.tau - math.pi)
+            left = left[(np.hypot(*(left[:, :2] - left[0, :2]).T) > _SAME) | (turned > _SAME_YAW)]
         return found
 
     def _seen(self, points: Floats, normals: Floats) -> Cloud:
