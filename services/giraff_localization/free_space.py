@@ -73,7 +73,8 @@ class FreeSpace:
 
     def places(self, apart: int) -> npt.NDArray[np.float64]:
         """Return x, y of the middles of free cells, so many cells apart along either axis; shape (n, 2)."""
-        cells = self._cells[(self._cells % apart == apart // 2).all(axis=1)]
+        some = (self._cells % apart == apart // 2).all(axis=1)
+        cells = self._cells[some] if some.any() else self._cells
         return np.array((cells + 0.5) * CELL + (self.left, self.bottom), np.float64)
 
     def _block(self, open_: npt.NDArray[np.bool_], wall: Wall, radius: float) -> None:

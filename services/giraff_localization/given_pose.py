@@ -17,5 +17,5 @@ class GivenPose(NamedTuple):
 
     @property
     def is_wide(self) -> bool:
-        """Who is so unsure has told a part of the map, and no place."""
+        """Return whether it is a part of the map rather than a place."""
         return max(self.position_sd, self.yaw_sd) > _WIDE

@@ -187,7 +187,7 @@ class ScanSearch:
         self._was_known |= self._state == "localized"
         self._state, self._places, self._told, self._is_confirmed = "lost", [], None, False
         self._held = self._way = 0.0
-        self._is_refuted = False
+        self._newest, self._is_refuted = None, False
         self.judgement = self._judged()
         return iter(())
 

@@ -1,4 +1,4 @@
-"""What the sensors have heard since the last update, each where it was heard."""
+"""Readings of the sensors since the last update, each where it was heard."""
 
 import math
 from collections import deque

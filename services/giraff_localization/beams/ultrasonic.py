@@ -1,4 +1,4 @@
-"""What ultrasonic sensors are expected to hear on a floor plan, and how likely each reading is."""
+"""Expected readings of ultrasonic sensors on a floor plan, and how likely each reading is."""
 
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple

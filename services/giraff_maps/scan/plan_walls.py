@@ -29,7 +29,7 @@ _SAME, _SAME_YAW = 0.35, 0.2  # m, rad between two poses that are one
 
 
 class PlanWalls:
-    """Of no use until it is built."""
+    """Walls of a floor plan. Of no use until they are built."""
 
     def __init__(self, plan: FloorPlan) -> None:
         self._plan = plan
@@ -69,14 +69,14 @@ class PlanWalls:
         points = points[np.hypot(*points.T) < 2 * _RIM_CELLS * CELL]
         width, likely, rim = self._likely.shape[1], self._likely.ravel(), 2 * _RIM_CELLS
         base = (self._near.cells(places) + rim) @ (width, 1)
-        at_once, tried = max(1, _PART // len(points)), 0
+        at_once, tried = max(1, _PART // max(1, len(points))), 0
         scored = [np.zeros((0, 4))]
-        for heading in headings:
+        for heading in headings if len(places) else ():
             beside = np.rint(rotated(heading, points) / CELL).astype(np.int64) @ (width, 1)
             scores = np.zeros(len(places), np.float32)
             for first in range(0, len(places), at_once):
                 part = slice(first, first + at_once)
-                scores[part] = likely[base[part, None] + beside].mean(axis=1)
+                scores[part] = likely[base[part, None] + beside].sum(axis=1)
                 tried += len(scores[part]) * len(points)
                 if tried >= _PART:
                     yield
