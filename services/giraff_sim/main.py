@@ -178,6 +178,7 @@ class Process:
             if slices % _CHORES_EVERY == 0:
                 self._chores()
             wait = self._pacer.wait(time.monotonic(), self._simulation.now_us)
+            self._simulation.world.skew = self._pacer.skew
             if wait > 0.0:
                 time.sleep(wait)
         for eeprom in self._eeproms:

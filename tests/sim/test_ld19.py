@@ -7,6 +7,7 @@ from typing import Final
 import pytest
 
 from giraff_core.senses import LaserScanner
+from giraff_scan.clock import DeviceClock
 from giraff_scan.ld19 import POINTS, SIZE, Packet, packet_length, packet_of
 from giraff_sim.world.ld19 import DELAY_US, PACKET_US, Ld19, Ld19Fault
 from giraff_sim.world.room import Pose, Room
@@ -65,6 +66,21 @@ def test_each_point_is_what_its_ray_met_from_where_the_robot_then_was(upside_dow
             errors.append(abs(hit.distance * 1000.0 - mm))
     errors.sort()
     assert errors[round(0.9 * len(errors))] < 2.0
+
+
+def test_its_clock_goes_on_while_a_slow_machine_holds_the_world_up() -> None:
+    world, clock = world_in(room()), DeviceClock()
+    laser = Ld19(LaserScanner(x=0.0, y=0.0, yaw=0.0), world, "1")
+    fresh = 0
+    for now_us in range(0, 4_000_000, 4000):
+        if now_us == 2_000_000:
+            world.skew = 0.4
+        data = laser.bytes_until(now_us)
+        for first in range(0, len(data), SIZE):
+            assert (packet := packet_of(data[first : first + SIZE])) is not None
+            fresh += clock.measured_ns(packet.ms, now_us * 1000 + round(world.skew * 1e9)) is not None
+    assert (clock.late <= 2, clock.repeated) == (True, 0), clock.late  # these were measured before
+    assert fresh > 2.9 * 1e6 / PACKET_US
 
 
 def test_a_fault_shows_in_its_packets() -> None:

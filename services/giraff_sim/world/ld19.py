@@ -172,7 +172,7 @@ class Ld19:
             return
         points = [number for mm in ranges for number in (mm, 200 if mm else 0)]
         begin, last = (round(angle * 100.0) % 36000 for angle in (start, end))
-        now_ms = int(self._clock_ms + self._made * PACKET_US * 1e-3) % WRAPS_MS
+        now_ms = int(self._clock_ms + self._world.skew * 1e3 + self._made * PACKET_US * 1e-3) % WRAPS_MS
         body = _PACKET.pack(MARK, round(step * POINTS_PER_S), begin, *points, last, now_ms)
         packet = bytearray(body + bytes((crc8(body),)))
         self._kept.append(bytes(packet))

@@ -89,6 +89,8 @@ class World:
         self.button = False
         """Whether the joystick's button is pressed."""
         self.now_us = 0
+        self.skew = 0.0
+        """s by which this world's time has slipped behind the wall's. Clocks of real devices do not slip."""
         self.sim = sim
         self.seed = seed
         self.step_us = step_us
