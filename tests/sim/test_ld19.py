@@ -77,7 +77,8 @@ def test_its_clock_goes_on_while_a_slow_machine_holds_the_world_up() -> None:
             world.skew = 0.4
         data = laser.bytes_until(now_us)
         for first in range(0, len(data), SIZE):
-            assert (packet := packet_of(data[first : first + SIZE])) is not None
+            packet = packet_of(data[first : first + SIZE])
+            assert packet is not None
             fresh += clock.measured_ns(packet.ms, now_us * 1000 + round(world.skew * 1e9)) is not None
     assert (clock.late <= 2, clock.repeated) == (True, 0), clock.late  # these were measured before
     assert fresh > 2.9 * 1e6 / PACKET_US

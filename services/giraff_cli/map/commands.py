@@ -5,7 +5,7 @@ from typing import Annotated, Final
 
 import typer
 
-from giraff_cli.options import AsJson, Connect, Ending, Robot, finite, require_extra
+from giraff_cli.options import AsJson, Connect, Ending, Robot, WrittenFile, finite, require_extra
 
 _REFUSED: Final = 2
 
@@ -62,6 +62,7 @@ def make(
     calibrate: Annotated[
         bool, typer.Option("--calibrate", help="Write wheels and track, which a good plan tells, into the robot file.")
     ] = False,
+    file: WrittenFile = None,
     robot: Robot = None,
     connect: Connect = None,
     seconds: Ending = None,
@@ -85,7 +86,9 @@ def make(
     if recording is not None:
         from giraff_setup.map.make.recorded import make as from_recording  # noqa: PLC0415
 
-        raise typer.Exit(from_recording(plan, recording, onto=onto, calibrate=calibrate, as_json=as_json))
+        raise typer.Exit(from_recording(plan, recording, onto=onto, calibrate=calibrate, file=file, as_json=as_json))
     from giraff_setup.map.make.live import make as run  # noqa: PLC0415
 
-    raise typer.Exit(run(plan, robot, connect or (), seconds, onto=onto, calibrate=calibrate, as_json=as_json))
+    raise typer.Exit(
+        run(plan, robot, connect or (), seconds, onto=onto, calibrate=calibrate, file=file, as_json=as_json)
+    )

@@ -45,17 +45,19 @@ class Wish(NamedTuple):
     """Plan of that name, which is redrawn. None: a new one is made."""
     calibrate: bool
     """The robot file is told wheels and track."""
+    file: Path | None = None
+    """The robot file, as of `own_robot_file`."""
 
     def require_robot_file(self, robot: str) -> None:
         """Raise ConfigError where the robot file cannot be told, before anything is driven."""
         if self.calibrate:
-            own_robot_file(robot, None)
+            own_robot_file(robot, self.file)
 
 
-def wish_of(name: Path, *, onto: bool, calibrate: bool) -> Wish:
+def wish_of(name: Path, *, onto: bool, calibrate: bool, file: Path | None) -> Wish:
     """Return what is asked for. Raises MapError where there is no such plan, or one that is not to be redrawn."""
     stem, old = plan_of(name) if onto else (stem_of(name), None)
-    return Wish(stem, old, calibrate)
+    return Wish(stem, old, calibrate, file)
 
 
 def finish(drive: Drive, robot: str, wish: Wish, *, as_json: bool, is_whole: bool = True) -> int:
@@ -80,7 +82,7 @@ def finish(drive: Drive, robot: str, wish: Wish, *, as_json: bool, is_whole: boo
             print_error(f"{elsewhere}; the plan is {files.toml}")
         say(json_line(document(drive, plan, files)) if as_json else report(drive, plan, files))
     code = DONE if is_whole and not (plan.figures.missing or elsewhere) else INCOMPLETE
-    return (calibrated(drive, robot, plan.figures) and INCOMPLETE) or code if wish.calibrate else code
+    return (calibrated(drive, robot, wish.file, plan.figures) and INCOMPLETE) or code if wish.calibrate else code
 
 
 def _written(drive: Drive, wish: Wish, plan: MadePlan) -> tuple[MadePlan, PlanFiles, str]:

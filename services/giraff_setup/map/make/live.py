@@ -55,11 +55,12 @@ def make(
     *,
     onto: bool,
     calibrate: bool,
+    file: Path | None,
     as_json: bool,
 ) -> int:
-    """Map until Ctrl-C, or for `seconds`; return the exit code. `onto`, `calibrate`: as of `Wish`."""
+    """Map until Ctrl-C, or for `seconds`; return the exit code. `onto`, `calibrate`, `file`: as of `Wish`."""
     try:
-        wish = wish_of(name, onto=onto, calibrate=calibrate)
+        wish = wish_of(name, onto=onto, calibrate=calibrate, file=file)
     except MapError as error:
         return print_error(str(error))
 

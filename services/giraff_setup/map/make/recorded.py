@@ -21,10 +21,10 @@ from giraff_tools.terminal.signals import StopSignal
 _UPDATE_EVERY: Final = 10  # scans
 
 
-def make(name: Path, path: Path, *, onto: bool, calibrate: bool, as_json: bool) -> int:
-    """Return the exit code. `onto`, `calibrate`: as of `Wish`."""
+def make(name: Path, path: Path, *, onto: bool, calibrate: bool, file: Path | None, as_json: bool) -> int:
+    """Return the exit code. `onto`, `calibrate`, `file`: as of `Wish`."""
     try:
-        wish = wish_of(name, onto=onto, calibrate=calibrate)
+        wish = wish_of(name, onto=onto, calibrate=calibrate, file=file)
         recording = Recording(path)
         wish.require_robot_file(recording.robot)
         drive = Drive(table_of(recording, "robot", RobotConfig))

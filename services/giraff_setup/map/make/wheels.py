@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -24,10 +25,13 @@ _SPUN: Final = 0.012  # m by which a step of the wheels differs from the plan wh
 _STRAIGHT: Final = 0.1  # rad of a step
 
 
-def calibrated(drive: Drive, robot: str, figures: Figures) -> int:
-    """Fit wheels and track to the drive and write them into the robot file; return the exit code."""
+def calibrated(drive: Drive, robot: str, file: Path | None, figures: Figures) -> int:
+    """Fit wheels and track to the drive and write them into the robot file; return the exit code.
+
+    `file`: as of `own_robot_file`.
+    """
     try:
-        path, filed = own_robot_file(robot, None)
+        path, filed = own_robot_file(robot, file)
     except ConfigError as error:
         return refuse(str(error), UNUSABLE)
     if figures.missing:
