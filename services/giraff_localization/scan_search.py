@@ -221,7 +221,9 @@ class ScanSearch:
             return _MEMORY if best.recent < best.fit - _DOUBTED else math.inf
         if self._state == "told":
             return UNJUDGED
-        return 0.0 if self._held >= _CONFIRMS and not self._is_confirmed else _AGAIN
+        if self._held >= _CONFIRMS and not self._is_confirmed:
+            return 0.0
+        return _AGAIN if len(self._places) < _MOST else math.inf
 
     def _find(self, cloud: Cloud, moved: Pose, missed: tuple[float, float]) -> Generator[None, None, None]:
         """Look for the turn anywhere, or about the place that was told: add the places that explain it."""
@@ -261,8 +263,8 @@ class ScanSearch:
         self._told, self._since_look = None, 0.0
 
     def _judge(self, best: _Place, effort: float) -> None:
-        is_one = len(self._places) == 1
-        self._held = self._held + effort if is_one and best.fit >= _GOOD and best.spread <= _NARROW else 0.0
+        is_one, explains = len(self._places) == 1, min(best.fit, best.recent) >= _GOOD
+        self._held = self._held + effort if is_one and explains and best.spread <= _NARROW else 0.0
         self._told_left -= effort
         if self._state in ("localized", "told") and self._is_refuted:
             self._lose()
