@@ -48,7 +48,7 @@ def convert(
 
 
 @maps.command()
-def make(
+def make(  # noqa: PLR0913, PLR0917  one argument an option
     plan: Annotated[
         Path, typer.Argument(metavar="NAME", help="Of the new files, like home or plans/home, without an ending.")
     ],

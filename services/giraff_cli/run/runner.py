@@ -140,8 +140,8 @@ class Run:
         telemetry: RunTelemetry | None = None
         try:
             if self._robot.start_simulator(self._stopping):
-                room = read_room(self._plan.world).outlines()
-                telemetry = RunTelemetry(self._plan.robot.sensor_types, self._robot.truth(), room)
+                room = read_room(self._plan.world)
+                telemetry = RunTelemetry(self._plan.robot.sensor_types, self._robot.truth(), room.outlines(), room.name)
                 self._watch(telemetry)
         except (StartError, SimulatorError) as error:
             self._note_ended()

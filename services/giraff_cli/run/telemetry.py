@@ -156,11 +156,16 @@ class RunSnapshot(Snapshot):
 class RunTelemetry(Telemetry):
     """Collects, on base's host: times are the robot's clock in ns."""
 
-    def __init__(self, sensors: Mapping[str, str], truth: Truth, room: Sequence[Sequence[Point]] = ()) -> None:
-        """`truth`: from before anything is heard. `room`: lines that show what stands in it, m."""
+    def __init__(
+        self, sensors: Mapping[str, str], truth: Truth, room: Sequence[Sequence[Point]] = (), name: str | None = None
+    ) -> None:
+        """`truth`: from before anything is heard. `room`: lines that show what stands in it, m.
+
+        `name`: of the room, whose frame is that of the map of this name; None: of any map.
+        """
         super().__init__(sensors)
         self.truth = truth
-        self._room = room
+        self._room, self._room_name = room, name
         self._first_truth = truth
         self._comparison = Comparison()
         self._stood_at: Pose | None = None
@@ -179,7 +184,8 @@ class RunTelemetry(Telemetry):
         elif isinstance(sample, VisualOdometry):
             self._visual.on_sample(sample)
         elif isinstance(sample, MapPose):
-            self._map_errors.on_pose(sample)
+            if self._room_name is None or sample.map == self._room_name:
+                self._map_errors.on_pose(sample)
         elif isinstance(sample, GuardedCommand):
             self._note_age(sample, at_ns)
 
@@ -193,7 +199,7 @@ class RunTelemetry(Telemetry):
         self.truth = truth
         self._comparison.see(truth)
         self._see_drift(truth)
-        self._map_errors.see(truth.robot_ns, truth.pose)  # the room's frame is the map's
+        self._map_errors.see(truth.robot_ns, truth.pose)
         self._visual.see(truth.robot_ns, truth.pose, truth.path)
         said = self.latest(POSE, truth.robot_ns)
         self._map_way.come(truth.path, said.sample.state if said is not None and said.fresh else None)

@@ -80,7 +80,8 @@ def finish(drive: Drive, robot: str, wish: Wish, *, as_json: bool, is_whole: boo
             )
         if elsewhere:
             print_error(f"{elsewhere}; the plan is {files.toml}")
-        say(json_line(document(drive, plan, files)) if as_json else report(drive, plan, files))
+        told = report(drive, plan, files, offers_wheels=not wish.calibrate)
+        say(json_line(document(drive, plan, files)) if as_json else told)
     code = DONE if is_whole and not (plan.figures.missing or elsewhere) else INCOMPLETE
     return (calibrated(drive, robot, wish.file, plan.figures) and INCOMPLETE) or code if wish.calibrate else code
 

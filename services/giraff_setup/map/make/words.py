@@ -39,9 +39,12 @@ def now_text(drive: Drive, trouble: Trouble, figures: "Figures | None") -> str:
     return printable(" | ".join(parts))
 
 
-def report(drive: Drive, plan: "MadePlan", files: PlanFiles) -> str:
-    """Return what was made, whether it is good, and what to do next."""
-    rows = _rows(drive, plan, files)
+def report(drive: Drive, plan: "MadePlan", files: PlanFiles, *, offers_wheels: bool = True) -> str:
+    """Return what was made, whether it is good, and what to do next.
+
+    `offers_wheels`: it also says how to write what the plan tells of them.
+    """
+    rows = [row for row in _rows(drive, plan, files) if offers_wheels or row[0] != "wheels"]
     return "\n".join(f"{label:>{_LABEL}}  {text}".replace("\n", f"\n{_INDENT}") for label, text in rows)
 
 
