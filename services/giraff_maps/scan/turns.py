@@ -12,6 +12,7 @@ from giraff_schemas.scan import NEAREST, OWN, RAYS, LaserScan
 
 FEWEST: Final = 30
 """Rays with an echo. Fewer tell no place."""
+_OWN_WITHIN: Final = 450  # mm within which the robot's own parts are, where nobody has looked for them
 _LONGEST_GAP: Final = 0.15  # s between two turns over which the motion within the earlier one is not told
 _FASTEST, _FASTEST_TURN = 2.0, 6.0  # m/s, rad/s: what is faster is a leap of odometry, not a motion
 
@@ -32,6 +33,7 @@ class Turns:
 
     def __init__(self, scanner: LaserScanner) -> None:
         self._mount, self._reach = Pose(scanner.x, scanner.y, 0.0), scanner.reach
+        self._nearest = NEAREST if scanner.own is not None else _OWN_WITHIN
         self._last: LaserScan | None = None
         self._leapt = False
 
@@ -50,7 +52,7 @@ class Turns:
             return None
         if last.trouble or since > last.duration + _LONGEST_GAP:
             return None
-        cloud = _corrected(last, moved, last.duration / since, self._mount, self._reach)
+        cloud = _corrected(last, moved, last.duration / since, self._mount, (self._nearest, self._reach * 1000.0))
         if len(cloud.points) < FEWEST:
             return None
         leapt, self._leapt = self._leapt, False
@@ -66,13 +68,13 @@ def _is_leap(moved: Pose, seconds: float) -> bool:
     return math.hypot(moved.x, moved.y) > _FASTEST * seconds + 0.1 or abs(moved.yaw) > _FASTEST_TURN * seconds + 0.2
 
 
-def _corrected(scan: LaserScan, moved: Pose, share: float, mount: Pose, reach: float) -> Cloud:
+def _corrected(scan: LaserScan, moved: Pose, share: float, mount: Pose, within: tuple[float, float]) -> Cloud:
     """Return what the scan saw, from where the robot was after it had moved so.
 
-    `share`: of that motion, which the robot made during the scan.
+    `share`: of that motion, which the robot made during the scan. `within`: mm of the rays that count.
     """
     rays = np.array(scan.rays(), dtype=int)
-    seen = (rays >= NEAREST) & (rays < OWN) & (rays <= reach * 1000.0)
+    seen = (rays >= within[0]) & (rays < OWN) & (rays <= within[1])
     part = np.arange(RAYS)[seen] / RAYS * share
     angles: Floats = scan.bearing + scan.step * np.arange(RAYS, dtype=float)[seen]
     ranges: Floats = rays[seen] / 1000.0

@@ -46,6 +46,7 @@ PLACEHOLDERS: Final = {"ADDRESS": "192.168.1.20", "HOST": "pi", "NAME": "anne", 
 FILES: Final = {
     "standing.mcap": DRIVE,
     "home.toml": ROOT / "deploy" / "worlds" / "flat.toml",
+    "ground-floor.toml": ROOT / "deploy" / "worlds" / "flat.toml",
     "robot-b.csv": DATA / "square-b_metadata.csv",
     "monday/metadata.csv": DATA / "square-a_metadata.csv",
     **{f"monday/run-{n}.csv": DATA / f"square-a_run-0{n}.csv" for n in (1, 2, 4, 5)},
@@ -57,6 +58,7 @@ NO_ROBOT: Final = re.compile(r"no robot (called \w+ )?is heard")
 ENDS: Final = {
     "calibrate odometry": "the robot went 3.16 m and its wheels 16.01 m",  # these runs are of another robot
     "keys list": "desk: expires soon",
+    "map make": "ground-floor.toml is there already",
     "record": "ended by the repair of cut-off.mcap",
     "stop": "nobody answered giraff/(giraff|robie)/estop/engage|put this host's bundle of `giraff keys host` there",
     "view": "no screen here|a recording is drawn to its end",

@@ -70,6 +70,14 @@ def test_points_beyond_the_reach_do_not_count() -> None:
     assert 1.8 < np.hypot(*(turn.cloud.points - (SCANNER.x, 0.0)).T).max() <= 2.0
 
 
+def test_what_may_be_the_robots_own_does_not_count_where_nobody_has_looked_for_it() -> None:
+    scans, _ = exact(0.0, 0.0)
+    near = [replace(scan, ranges=seen(scan, 100, 400)) for scan in scans]
+    turns = [turned(near, replace(SCANNER, own=own))[1] for own in ((), None)]
+    counts = [len(turn.cloud.points) for turn in turns if turn is not None]
+    assert counts[0] - counts[1] == RAYS - 100
+
+
 @pytest.mark.parametrize(("every", "hz"), [(1, 10.0), (2, 12.5)])
 def test_the_motion_within_a_turn_is_taken_out(every: int, hz: float) -> None:
     all_scans, poses = exact(0.4, 1.2, hz=hz)
