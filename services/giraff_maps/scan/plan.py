@@ -18,6 +18,7 @@ from giraff_schemas.trouble import Trouble
 
 _DIRECTION_ROUNDS: Final = 3
 _ASLANT: Final = math.radians(5.0)
+_APART: Final = 1.0  # m
 _SHORTEST: Final = 3.0  # m
 _SLIDES: Final = 0.010  # m
 _GAPES: Final = 0.015  # m
@@ -53,6 +54,8 @@ class MadePlan(NamedTuple):
     """Straight walls, the longest first."""
     start: Pose
     """Place of the mapper's own frame in the plan: there the robot began."""
+    way: tuple[tuple[float, float], ...]
+    """Places (m) by which the robot came, a metre apart, and back to the first one."""
     figures: Figures
 
 
@@ -75,7 +78,7 @@ def make_plan(mapper: Mapper, mount: Pose, start: Pose | None = None) -> Iterato
     while finder.find():
         yield (1.0 + finder.done) / 2.0
     figures = _figures(keys, edges, doubled(faces, grid), mapper.lost)
-    yield MadePlan(grid, tuple(finder.walls), start, figures)
+    yield MadePlan(grid, tuple(finder.walls), start, _way(keys), figures)
 
 
 def _direction(keys: Sequence[KeyTurn]) -> float:
@@ -86,6 +89,16 @@ def _direction(keys: Sequence[KeyTurn]) -> float:
     for _ in range(_DIRECTION_ROUNDS):  # what stands aslant is left out
         along = fourth[np.abs(np.angle(fourth * np.conj(along))) < 4.0 * _ASLANT].sum()
     return float(np.angle(along)) / 4.0
+
+
+def _way(keys: Sequence[KeyTurn]) -> tuple[tuple[float, float], ...]:
+    way = [keys[0].pose[:2]]
+    for key in keys:
+        if math.dist(key.pose[:2], way[-1]) >= _APART:
+            way.append(key.pose[:2])
+    if math.dist(way[0], way[-1]) > 2.0 * _APART:
+        way += way[-2:0:-1]
+    return tuple(way)
 
 
 def _figures(keys: Sequence[KeyTurn], edges: Sequence[Edge], doubles: float, lost: float) -> Figures:

@@ -16,6 +16,7 @@ from PIL import Image
 from giraff_core.io import Inbox
 from giraff_core.robot import RobotConfig
 from giraff_maps.read import read_map
+from giraff_maps.room_file import read_room_file
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.process.state import write_file_durably
@@ -106,6 +107,9 @@ def test_a_recorded_drive_becomes_a_grid_and_a_room_that_are_read(folder: Path, 
     left, bottom, right, top = room.bounds
     assert 5.9 < right - left < 6.3
     assert 5.9 < top - bottom < 6.3
+    way = read_room_file(Path("home.toml")).waypoints
+    assert len(way) > 5
+    assert all(left < x < right and bottom < y < top for x, y in way)
     shades = Image.open("home.pgm").histogram()
     assert min(shades[0], shades[205], shades[254]) > 100
     assert sum(shades) == shades[0] + shades[205] + shades[254]

@@ -144,7 +144,8 @@ def room_bytes(name: str, plan: "MadePlan") -> bytes:
     """Return the room file: points to the millimetre, and no wall that is a point then."""
     x, y, yaw = plan.start
     start = f"{{ x = {x:z.3f}, y = {y:z.3f}, yaw_deg = {math.degrees(yaw):z.1f} }}"
-    lines = [f"name = {json.dumps(printable(name), ensure_ascii=False)}", f"start = {start}"]
+    way = ", ".join(f"[{x:z.2f}, {y:z.2f}]" for x, y in plan.way)
+    lines = [f"name = {json.dumps(printable(name), ensure_ascii=False)}", f"start = {start}", f"waypoints = [{way}]"]
     for number, wall in enumerate(plan.walls, 1):
         x, y, end_x, end_y = (round(float(value), 3) for value in wall)
         if math.hypot(end_x - x, end_y - y) >= 2.0 * SHORTEST_WALL:
