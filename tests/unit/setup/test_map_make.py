@@ -1,6 +1,7 @@
 """`giraff map make`: a plan of a drive, live and recorded, and where it is written."""
 
 import json
+import math
 import os
 import signal
 import tomllib
@@ -22,7 +23,7 @@ from giraff_mcap.writing import RecordingWriter
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.localization import MapPose, MapWalls
-from giraff_schemas.messages import Sample
+from giraff_schemas.messages import Odometry, Sample
 from giraff_schemas.scan import LaserScan
 from giraff_schemas.topics import MAP, POSE, SCAN, Topic, key_of
 from giraff_schemas.trouble import Trouble
@@ -35,6 +36,7 @@ from tests.support.robots import ROBOT
 from tests.support.scan_drives import SCANNER, drive
 from tests.support.scan_worlds import home
 from tests.unit.cli.typed import Giraff, giraff
+from tests.unit.localization.rooms import odometry
 from tests.unit.maps.grids import off
 from tests.unit.mcap.recordings import ABOUT, BEGAN_NS
 
@@ -289,6 +291,7 @@ class Host:
     def __init__(self) -> None:
         self.now = 100.0
         self.scans: Inbox[LaserScan] = Inbox(200)
+        self.odometry: Inbox[Odometry] = Inbox(200)
         self.said: dict[str, list[Any]] = {}
         self.notices: dict[str, Trouble] = {}
         self.left = False
@@ -297,9 +300,9 @@ class Host:
     def monotonic(self) -> float:
         return self.now
 
-    def inbox(self, topic: Topic[Any]) -> Inbox[LaserScan]:
-        assert topic is SCAN
-        return self.scans
+    def inbox(self, topic: Topic[Any], *, wakes: bool = True) -> Inbox[Any]:
+        assert wakes is (topic is SCAN)
+        return self.scans if topic is SCAN else self.odometry
 
     def frame(self, child: str, where: Callable[[], Any]) -> None:
         self.frames[child] = where
@@ -363,6 +366,14 @@ def test_the_plan_grows_while_somebody_drives_and_is_kept_when_the_robot_is_lost
     assert told is not None
     assert (odom.x, odom.y, odom.yaw) == (pose.odom.x, pose.odom.y, pose.odom.yaw)
     assert made.way > 3.0
+    assert pose.tick is not None
+    later = odometry(pose.tick.robot_ns * 1e-9 + 0.2, told[0] + 0.05, told[1], told[2])
+    for epoch, moved in ((pose.tick.epoch, 0.05), (pose.tick.epoch + 1, 0.0)):
+        tick = msgspec.structs.replace(later.tick, epoch=epoch)
+        host.odometry.accept(msgspec.structs.replace(later, tick=tick))
+        turns([], 0.2)
+        since = host.said[POSE.key][-1]
+        assert math.dist((since.x, since.y), (pose.x, pose.y)) == pytest.approx(moved, abs=1e-6)
     assert "loop" in screen.views[-1].words
     turns([], 2.0)
     pose = host.said[POSE.key][-1]

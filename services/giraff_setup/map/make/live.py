@@ -10,6 +10,7 @@ from typing import Final
 import msgspec
 
 from giraff_core.io import IO
+from giraff_core.kinematics.pose import Pose
 from giraff_core.timer import Timer
 from giraff_localization.config import LocalizationConfig
 from giraff_maps.floor_plan import FloorPlan, MapError
@@ -19,8 +20,9 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.config.settings import Settings
 from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
+from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.services import LOCALIZATION
-from giraff_schemas.topics import MAP, POSE, SCAN
+from giraff_schemas.topics import MAP, ODOM, POSE, SCAN
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_setup.map.make.drive import NO_SCAN, Drive
 from giraff_setup.map.make.finish import finish, wish_of
@@ -43,6 +45,9 @@ _DRAW: Final = 0.03
 """s of drawing in one turn."""
 _LONGEST: Final = 0.1
 """s of scans in one turn."""
+_SINCE_NS: Final = 1_000_000_000
+_FARTHEST: Final = 1.0
+"""ns and m from the newest turn within which odometry tells where the robot is."""
 _SHOW_EVERY: Final = 0.2  # s
 _COVARIANCE: Final = (0.03**2, 0.0, 0.0, 0.03**2, 0.0, 0.01**2)
 
@@ -99,7 +104,8 @@ class PlanMaking:
         """`name`: of the plan. `seconds`: until it ends. None: it goes on."""
         self._as_json = as_json
         self._io, self._robot, self._drive, self._name, self._screen = io, robot, drive, name, screen
-        self._scans = io.inbox(SCAN)
+        self._scans, self._odometry = io.inbox(SCAN), io.inbox(ODOM, wakes=False)
+        self._newest: Odometry | None = None
         self._transform: Transform | None = None
         io.frame(ODOM_FRAME, lambda: self._transform)
         self._pose, self._map = io.publisher(POSE), io.publisher(MAP)
@@ -124,6 +130,8 @@ class PlanMaking:
             self._drive.add(scan)
             if self._io.monotonic() - now > _LONGEST:
                 break
+        for odometry in self._odometry.pop_all():
+            self._newest = odometry
         if not len(self._scans):
             self._draw(now)
         self._transform = self._odom_frame()
@@ -167,7 +175,7 @@ class PlanMaking:
 
     def _pose_sample(self, now: float) -> MapPose:
         drive, trouble = self._drive, self._trouble(now)
-        here, odom = drive.here, drive.odom_frame
+        (here, tick), odom = self._here(), drive.odom_frame
         return MapPose(
             state="no_map" if drive.tick is None else "lost" if trouble else "localized",
             x=here.x,
@@ -181,8 +189,18 @@ class PlanMaking:
             particles=0,
             map=self._name,
             reason=trouble,
-            tick=drive.tick,
+            tick=tick,
         )
+
+    def _here(self) -> tuple[Pose, RobotTime | None]:
+        """Return where the robot is by the newest turn and odometry since, and of which moment that is."""
+        drive, newest = self._drive, self._newest
+        if drive.tick is None or newest is None or newest.tick.epoch != drive.tick.epoch:
+            return drive.here, drive.tick
+        here = Pose(newest.x, newest.y, newest.yaw).placed_in(drive.odom_frame)
+        since = newest.tick.robot_ns - drive.tick.robot_ns
+        is_motion = 0 < since < _SINCE_NS and math.dist(here[:2], drive.here[:2]) < _FARTHEST
+        return (here, newest.tick) if is_motion else (drive.here, drive.tick)
 
     def _odom_frame(self) -> Transform | None:
         """Return where `odom` is in `map`; None: that is not known."""

@@ -59,8 +59,8 @@ def _rows(drive: Drive, plan: "MadePlan", files: PlanFiles) -> Iterator[tuple[st
     yield "doubles", f"{figures.doubles:.1%} of the walls stand twice"
     scales = drive.mapper.scale, drive.mapper.turn_scale
     if not figures.missing and any(abs(scale - 1.0) > _WORTH for scale in scales):
-        way, turns = (f"{abs(scale - 1.0):.1%} too {'little' if scale > 1.0 else 'much'}" for scale in scales)
-        yield "wheels", f"odometry tells {way} way and {turns} turning;\n--calibrate writes what wheels and track are"
+        way, turns = (f"{abs(1.0 / scale - 1.0):.1%} too {'short' if scale > 1.0 else 'long'}" for scale in scales)
+        yield "wheels", f"odometry measures ways {way}, and turns {turns};\n--calibrate corrects the robot file"
     yield "verdict", "\n".join(fill(str(each), _WIDTH) for each in figures.missing) or "good"
     yield "files", "\n".join(map(str, files))
     yield "next", f"giraff map show {room}\ngiraff localize --map {room}"
