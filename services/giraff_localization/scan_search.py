@@ -29,6 +29,8 @@ from giraff_schemas.scan import LaserScan
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _STEP, _TURN = 0.1, math.radians(10.0)  # m or rad to the next update: a robot that stands learns nothing
+_STEP_AT_REST, _STILL = 0.02, 0.003  # m or rad to the one update after it has stopped; within these it stands
+_RESTED_NS: Final = 200_000_000  # before the end of a turn, since when it stands
 _TURNING: Final = 0.1  # m of way that a radian counts for
 _GRID: Final = 4  # cells from one place that is scored to the next: 0.2 m
 _HEADINGS: Final = 120  # all round
@@ -85,6 +87,11 @@ class _Place:
     def spread(self) -> float:
         """m, standard deviation along the direction in which it is known least."""
         return math.sqrt(float(np.linalg.eigvalsh(self.covariance[:2, :2])[1]))
+
+    @property
+    def is_doubted(self) -> bool:
+        """It explains less just now than before: the robot may have been carried away."""
+        return self.recent < self.fit - _DOUBTED
 
     def carry(self, moved: Pose, missed: tuple[float, float]) -> None:
         """Go as odometry says. `missed`: m and rad that it may be off beside its usual errors."""
@@ -171,7 +178,7 @@ class ScanSearch:
             far = math.hypot(moved.x, moved.y)
             if at is None:
                 self._newest = None
-            elif far >= _STEP or abs(moved.yaw) >= _TURN or not self._places:
+            elif not self._places or _is_due(moved, track, end):
                 if self._places and leapt and far > _LEAP:
                     self._lose()
                 missed_here, self._newest, self._missed = self._missed, None, (0.0, 0.0)
@@ -218,7 +225,7 @@ class ScanSearch:
     def _looks_after(self, best: _Place) -> float:
         """Return m since the last time after which all places are looked at: another one may explain more."""
         if self._state == "localized":
-            return _MEMORY if best.recent < best.fit - _DOUBTED else math.inf
+            return _RECENT if best.is_doubted else math.inf
         if self._state == "told":
             return UNJUDGED
         if self._held >= _CONFIRMS and not self._is_confirmed:
@@ -263,8 +270,8 @@ class ScanSearch:
         self._told, self._since_look = None, 0.0
 
     def _judge(self, best: _Place, effort: float) -> None:
-        is_one, explains = len(self._places) == 1, min(best.fit, best.recent) >= _GOOD
-        self._held = self._held + effort if is_one and explains and best.spread <= _NARROW else 0.0
+        is_one, is_good = len(self._places) == 1, best.fit >= _GOOD and not best.is_doubted
+        self._held = self._held + effort if is_one and is_good and best.spread <= _NARROW else 0.0
         self._told_left -= effort
         if self._state in ("localized", "told") and self._is_refuted:
             self._lose()
@@ -305,3 +312,13 @@ class ScanSearch:
         if self._is_told:
             return UNCONFIRMED
         return DOUBTS if self._was_known else LOOKS
+
+
+def _is_due(moved: Pose, track: Track, end: RobotTime) -> bool:
+    """Tell whether the turn that ended then is looked at. `moved`: since the last one that was."""
+    far, angle = math.hypot(moved.x, moved.y), abs(moved.yaw)
+    before = track.at(RobotTime(epoch=end.epoch, robot_ns=end.robot_ns - _RESTED_NS))
+    since = None if before is None else track.pose.seen_from(before)
+    if since is not None and max(map(abs, since)) < _STILL:
+        return max(far, angle) >= _STEP_AT_REST
+    return far >= _STEP or angle >= _TURN

@@ -216,6 +216,28 @@ def test_a_pose_that_was_set_in_odom_moves_the_frame_and_not_the_robot(found: Fo
         assert math.dist((said.x, said.y), true[:2]) < 0.15
 
 
+def test_a_robot_that_stops_is_matched_once_more_where_it_stands(found: Follower) -> None:
+    drive = driven("flat", FLAT)
+    stopped = FOUND
+    while off(found) < 0.03:
+        found.follow(drive, stopped, stopped + 1)
+        stopped += 1
+    stopped -= 1
+    scan = drive.scans[stopped]
+    assert scan.tick is not None
+    for tenths in (1, 2, 3, 4):
+        tick = RobotTime(scan.tick.epoch, scan.tick.robot_ns + tenths * 100_000_000)
+        found.follow(drive._replace(scans=[msgspec.structs.replace(scan, tick=tick)], truth=[drive.truth[stopped]]))
+    assert off(found) < 0.02
+
+
+def off(found: Follower) -> float:
+    """Return m from the newest update."""
+    search = found.policy._search
+    assert search is not None
+    return math.dist(search.updated_at[:2], found.policy._track.pose[:2])
+
+
 def test_odometry_that_was_gone_for_long_leaves_nothing_known(found: Follower) -> None:
     scan = driven("flat", FLAT).scans[FOUND]
     assert scan.tick is not None
