@@ -16,7 +16,8 @@ from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, LocalizationState, MapPose
 from giraff_schemas.messages import Odometry, Range, Sample, TruePose
-from giraff_schemas.topics import BASE, ODOM, RANGE, TRUE_POSE, Topic, key_of
+from giraff_schemas.scan import RAYS, LaserScan
+from giraff_schemas.topics import BASE, ODOM, RANGE, SCAN, TRUE_POSE, Topic, key_of
 from giraff_schemas.trouble import Trouble
 from giraff_sim.world.room import Pose as Start
 from giraff_sim.world.room import Room, read_room
@@ -45,7 +46,7 @@ class Follower:
         self._newest, self._left = sample, 3
         self.heard.append("odom")
 
-    def on_sample(self, sample: Range) -> None:
+    def on_sample(self, sample: Range | LaserScan) -> None:
         self._left = 3
         self.heard.append(sample.sensor)
 
@@ -96,6 +97,14 @@ def test_what_was_heard_goes_in_in_its_order_and_the_way_is_shared() -> None:
     assert shares is not None
     assert shares["lost"] == pytest.approx(0.5, abs=0.03)
     assert shares["localized"] == pytest.approx(0.5, abs=0.03)
+
+
+def test_turns_of_a_scanner_go_in() -> None:
+    policy = Follower()
+    ranges, tick = bytes(2 * RAYS), at(0)
+    scan = LaserScan(sensor="laser", ranges=ranges, bearing=0.0, step=-0.01, duration=0.1, since_tick=0.0, tick=tick)
+    through(policy, None, samples=[(SCAN, "laser", scan, 0)])
+    assert policy.heard == ["laser"]
 
 
 def test_the_error_is_by_the_truth_on_the_map() -> None:
