@@ -6,7 +6,7 @@ the points than the best one, over some way.
 
 import math
 from collections.abc import Generator, Iterator
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -75,7 +75,8 @@ class _Place:
     """A place where the robot may be."""
 
     def __init__(self, pose: Floats, spread: tuple[float, float, float]) -> None:
-        self.pose, self.covariance = pose, np.diag(np.square(spread))
+        self.pose = pose
+        self.covariance: Any = np.diag(np.square(spread))
         self.share = self.fit = self.recent = self.age = 0.0
         """Share of the points that it explains: in the newest turn, over the last metre, just now; m of way with it."""
 
@@ -101,7 +102,8 @@ class _Place:
     def match(self, walls: PlanWalls, cloud: Cloud) -> None:
         """Go where the turn fits. No matrix here is singular, since the covariance never is."""
         found = match(walls, cloud, self.pose, np.sqrt(np.diag(self.covariance)).tolist())
-        self.pose, self.covariance = found.pose, np.linalg.inv(found.information + np.linalg.inv(self.covariance))
+        self.pose = found.pose
+        self.covariance = np.linalg.inv(found.information + np.linalg.inv(self.covariance))
         self.share = walls.explained(cloud.placed(self.pose).points)
 
     def judge(self, effort: float) -> None:
