@@ -45,7 +45,7 @@ def write_grid(room: Path, out: Path, resolution: float) -> Path:
 def yaml_bytes(image: str, resolution: float, left: float, bottom: float) -> bytes:
     """Return the YAML file of an image whose lower left corner is there in the map (m)."""
     return (
-        f"image: {json.dumps(image)}\n"
+        f"image: {json.dumps(image, ensure_ascii=False)}\n"
         f"resolution: {resolution!r}\n"
         f"origin: [{left!r}, {bottom!r}, 0.0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: trinary\n"

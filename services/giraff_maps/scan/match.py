@@ -111,16 +111,21 @@ class Field:
         points, normals = (np.concatenate(each) for each in zip(*clouds, strict=True))
         flat = (normals != 0.0).any(axis=1)
         points, normals = points[flat], normals[flat]
+        is_empty = not len(points)
+        if is_empty:
+            points = normals = np.zeros((1, 2))
         faces = np.floor(np.arctan2(normals[:, 1], normals[:, 0]) / (math.pi / 2.0)).astype(np.int64)
         _, kept = np.unique(np.floor(points / _APART).astype(np.int64) @ (4_000_037, 4) + faces, return_index=True)
         self._points, self._normals = points[kept], normals[kept]
-        self._low = self._points.min(axis=0, initial=0.0) - 2.0 * _REACH
-        self._shape = np.ceil((self._points.max(axis=0, initial=0.0) + 2.0 * _REACH - self._low) / CELL).astype(int)
+        self._low = np.floor(self._points.min(axis=0) / CELL) * CELL - 2.0 * _REACH
+        self._shape = np.ceil((self._points.max(axis=0) + 2.0 * _REACH - self._low) / CELL).astype(int)
         self._nearest = np.full(int(self._shape.prod()), -1, dtype=np.int32)
         at, numbers = self._flat(self._points), np.arange(len(self._points), dtype=np.int32)
         reach = np.arange(-round(_REACH / CELL), round(_REACH / CELL) + 1)
         around = np.stack(np.meshgrid(reach, reach), axis=-1).reshape(-1, 2)
         far = (around**2).sum(axis=1)
+        if is_empty:
+            return
         for across, along in around[np.argsort(-far, kind="stable")]:  # the nearest one is painted last
             self._nearest[at + across * self._shape[1] + along] = numbers
 

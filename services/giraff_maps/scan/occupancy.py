@@ -43,10 +43,10 @@ class Looks:
     def __init__(self, keys: Sequence[KeyTurn], mount: Pose) -> None:
         """`keys`: all that are looked at. `mount`: of the scanner."""
         self._mount = mount
-        clouds = [key.turn.cloud.placed(key.pose).points for key in keys]
-        corners = np.array([[each.min(axis=0), each.max(axis=0)] for each in clouds])
-        low = np.floor(corners[:, 0].min(axis=0) / CELL - _RIM) * CELL
-        size = np.ceil((corners[:, 1].max(axis=0) - low) / CELL).astype(int) + _RIM + 1
+        seen = [key.turn.cloud.placed(key.pose).points for key in keys]
+        points = np.concatenate([*seen, [mount.placed_in(key.pose)[:2] for key in keys]])
+        low = np.floor(points.min(axis=0) / CELL - _RIM) * CELL
+        size = np.ceil((points.max(axis=0) - low) / CELL).astype(int) + _RIM + 1
         self._grid = OccupancyGrid(np.full(size, UNKNOWN, np.int8), low, CELL)
         self._hits, self._passed = np.zeros((2, self._grid.state.size), np.int32)
         self._steps = np.arange(_NEAR, _FAR, CELL * 0.7)

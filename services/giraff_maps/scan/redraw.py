@@ -15,6 +15,7 @@ from giraff_maps.scan.plan_walls import PlanWalls
 from giraff_maps.scan.search import are_apart
 
 _APART: Final = 0.05  # m between two points of a wall
+_LARGEST: Final = 2000.0  # m² of the rectangle about a plan
 _PLACES: Final = 0.2  # m between two places that are tried
 _HEADINGS: Final[Floats] = np.arange(120.0) * (math.tau / 120)
 _TRIED: Final = 40
@@ -26,12 +27,14 @@ _SHORTEST: Final = 0.15  # m of an old wall that stays
 
 def placed_on(old: FloorPlan, new: MadePlan) -> Pose:
     """Return the pose of the mapper's frame in the old plan. Raises MapError where that is not clear."""
+    left, bottom, right, top = old.bounds
+    if (right - left) * (top - bottom) > _LARGEST:
+        raise MapError(f"{old.name!r} is larger than {_LARGEST:.0f} m²: give it the part where the robot drives")
     field = PlanWalls(old)
     for _ in field.build():
         pass
     cloud = _cloud(new.walls, new.start)
-    left, bottom, right, top = old.bounds
-    xs, ys = np.arange(left, right, _PLACES), np.arange(bottom, top, _PLACES)
+    xs, ys = np.arange(left, right + _PLACES, _PLACES), np.arange(bottom, top + _PLACES, _PLACES)
     places = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
     tried = _result(field.best(cloud.points, places, _HEADINGS, _TRIED))
     best, *others = sorted((match(field, cloud, each, _SPREAD) for each in tried), key=lambda each: -each.share)

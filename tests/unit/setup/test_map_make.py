@@ -150,6 +150,31 @@ def test_what_a_drive_saw_is_redrawn_and_all_else_stays(folder: Path, giraff: Gi
     )
 
 
+def test_a_plan_that_cannot_be_redrawn_stays_and_the_drive_is_kept(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert folder.name == "here"
+    made, before = driven(), 'name = "x"\nstart = { x = 0.0, y = 0.0, yaw_deg = 0.0 }\n'
+    room = (Path(__file__).parents[3] / "deploy/worlds/living_room.toml").read_text(encoding="utf-8")
+    one_wall = f'{before}[[walls]]\nname = "w"\npoints = [[0.0, 0.0], [6.0, 0.0]]\n'
+    write = write_file_durably
+
+    def full(path: Path, data: bytes) -> None:
+        if path.name == ".h😀.toml.new":
+            raise OSError(28, "No space left on device", str(path))
+        write(path, data)
+
+    monkeypatch.setattr(files, "write_file_durably", full)
+    for number, (plan, cause) in enumerate([(room, "No space left"), (one_wall, "it fits 'x'")], 2):
+        Path("h😀.toml").write_text(plan, encoding="utf-8")
+        wish = finish.wish_of(Path("h😀"), onto=True, calibrate=False, file=None)
+        assert finish.finish(made, "robie", wish, as_json=True) == 1
+        assert cause in capsys.readouterr().err
+        assert Path("h😀.toml").read_text(encoding="utf-8") == plan
+        assert read_map(Path(f"h😀-{number}.yaml")).walls
+    assert not [name for name in names(".") if name.endswith(".new")]
+
+
 def test_a_good_plan_tells_the_robot_file_wheels_and_track(
     folder: Path, giraff: Giraff, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -65,12 +65,22 @@ def plan_of(name: Path) -> tuple[Path, FloorPlan]:
 
 
 def rewrite_plan(stem: Path, plan: "MadePlan") -> PlanFiles:
-    """Write all three in place of those that are there. These stay beside them, by their date. Raises OSError."""
+    """Write all three in place of those that are there. These stay beside them, by their date.
+
+    Raises OSError; what was there is then as it was.
+    """
     files = PlanFiles.of(stem)
-    for path in files:
-        if path.exists():
-            keep(path, path.read_bytes(), before_today())
-    _write(files, stem.name, plan)
+    new = PlanFiles(*(path.with_name(f".{path.name}.new") for path in files))
+    try:
+        _write(new, stem.name, plan, files.pgm.name)
+        for path in files:
+            if path.exists():
+                keep(path, path.read_bytes(), before_today())
+        for path, written in zip(files, new, strict=True):
+            written.replace(path)
+    finally:
+        for path in new:
+            _remove(path)
     return files
 
 
@@ -101,15 +111,15 @@ def _write_in(folder: Path, name: str, plan: "MadePlan") -> PlanFiles:
             for path in files:
                 path.open("xb").close()  # the name is now this plan's
                 undo.callback(_remove, path)
-            _write(files, stem.name, plan)
+            _write(files, stem.name, plan, files.pgm.name)
             undo.pop_all()
             return files
     raise FileExistsError(None, f"{_MOST} plans of this name are there", str(folder / name))
 
 
-def _write(files: PlanFiles, name: str, plan: "MadePlan") -> None:
+def _write(files: PlanFiles, name: str, plan: "MadePlan", image: str) -> None:
     write_file_durably(files.pgm, _pgm(plan.grid))
-    write_file_durably(files.yaml, yaml_bytes(files.pgm.name, float(plan.grid.cell), *_corner(plan.grid)))
+    write_file_durably(files.yaml, yaml_bytes(image, float(plan.grid.cell), *_corner(plan.grid)))
     write_file_durably(files.toml, room_bytes(name, plan))
 
 

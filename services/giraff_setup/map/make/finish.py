@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from giraff_maps.floor_plan import FloorPlan, MapError
+from giraff_maps.floor_plan import FloorPlan
 from giraff_maps.scan.plan import MadePlan
 from giraff_maps.scan.redraw import placed_on, redrawn
 from giraff_setup.map.make.drive import Drive
@@ -95,9 +95,9 @@ def _written(drive: Drive, wish: Wish, plan: MadePlan) -> tuple[MadePlan, PlanFi
         assert isinstance(again, MadePlan)  # noqa: S101  the last part
         both = redrawn(wish.old, again)
         return both, rewrite_plan(wish.stem, both), ""
-    except (MapError, OSError) as error:
+    except Exception as error:  # noqa: BLE001  whatever it is, the drive is not lost
         files, _ = write_plan(wish.stem, plan)
-        return plan, files, f"{wish.stem} stays as it was: {error}"
+        return plan, files, f"{wish.stem} stays as it was: {getattr(error, 'strerror', None) or error}"
 
 
 def _drawn(drive: Drive, given_up: list[int]) -> MadePlan | None:
