@@ -46,8 +46,8 @@ _LEAST: Final = np.diag([0.01, 0.01, math.radians(0.3)]) ** 2  # covariance that
 
 _MEMORY, _RECENT = 1.0, 0.3  # m over which a place is judged, and is found to be wrong
 _WORSE, _WORSE_YOUNG, _YOUNG = 0.10, 0.20, 2.0  # share less than the best at which a place falls; m while it is young
-_GOOD, _HELD = 0.70, 1.0  # share that the last place explains when it is known, and m for which it does
-_KEPT, _DOUBTED = 0.60, 0.10  # share below which it is known no more; share less than before at which others are tried
+_GOOD, _HELD = 0.82, 1.0  # share that the last place explains when it is known, and m for which it does
+_KEPT, _DOUBTED = 0.72, 0.10  # share below which it is known no more; share less than before at which others are tried
 _FITS: Final = 0.5  # share below which a place explains nothing
 _BADLY, _BADLY_LONG = 2.0, 10.0  # m after which the plan is doubted: where nothing fits, and where nothing fits well
 _NARROW, _WIDE = 0.35, 0.6  # m: standard deviation up to which a place is known, and stays known
