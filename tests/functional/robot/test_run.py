@@ -55,7 +55,8 @@ def test_it_drives_around_the_room_and_sums_up_when_told_to_end(command: Command
     assert told["odom_sigma_m"] > 0.0
     assert f"distance  {told['distance_m']:.2f} m" in out
     assert "odometry off by" in out
-    assert told["rates_hz"]["scan/laser"] > 8.0
+    # Ten turns for a hundred samples of the wheels, also where a busy machine holds the world up.
+    assert told["rates_hz"]["scan/laser"] > 0.07 * told["rates_hz"]["wheels"]
 
 
 def test_who_starts_it_drives_in_the_same_terminal(command: Command) -> None:
