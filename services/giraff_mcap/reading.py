@@ -163,6 +163,12 @@ class Recording:
         begin, end = self.bounds_ns
         return min(max((heard_ns - begin) / (end - begin), 0.0), 1.0) if end > begin else 1.0
 
+    def faults(self, unread: Unread, strange: int) -> list[str]:
+        """Return a line for each thing that its reader lacks. `strange`: samples that could not be decoded."""
+        lines = [f"{strange} samples could not be read, and are left out"] if strange else []
+        lines += [] if self.whole else ["cut off; this is of what is there"]
+        return lines + unread.texts()
+
     def samples(self, keys: Sequence[str] = (), unread: Unread | None = None) -> Iterator[Recorded]:
         """Those of these keys (`range/*` stands for all below it), or all; in the order in which they were heard.
 

@@ -59,11 +59,7 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
             took = time.monotonic() - began
     except (MapError, RecordingError, ConfigError) as error:
         return print_error(str(error))
-    if strange:
-        print_error(f"{path}: {strange} samples could not be read, and are left out")
-    if not recording.whole:
-        print_error(f"{path}: cut off; this is of what is there")
-    for line in unread.texts():
+    for line in recording.faults(unread, strange):
         print_error(f"{path}: {line}")
     if drive.refused:
         print_error(f"--at: {drive.refused}")

@@ -109,9 +109,7 @@ def _recorded(recording: Recording, name: str, camera: Camera, faults: list[str]
             yield sample
         elif isinstance(sample, Picture) and grey is not None:
             yield sample, grey, recorded.heard_ns
-    faults += [f"{strange} samples could not be read, and are left out"] if strange else []
-    faults += [] if recording.whole else ["cut off; this is of what is there"]
-    faults += unread.texts()
+    faults += recording.faults(unread, strange)
 
 
 def _opened(path: Path) -> cv2.VideoCapture:

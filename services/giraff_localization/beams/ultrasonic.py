@@ -24,7 +24,7 @@ _SURPRISE: Final = 0.15
 _SLANTED_CLEAR: Final = 0.45
 """Share of no echo from what is too slanted."""
 _SOLID: Final = 0.02
-"""Of each reading of a sensor that would be within a wall."""
+"""Likelihood of each reading of a sensor that would be within a wall."""
 _NEAR: Final = 0.3
 """m: an echo of something nearer than a wall is taken to come from so much of room at least."""
 

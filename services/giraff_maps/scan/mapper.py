@@ -105,11 +105,12 @@ class Mapper:
         last, off = self.keys[-1], length + self._lost
         spread = (0.005 + 0.03 * off, 0.005 + 0.03 * off, 0.01 + 0.10 * abs(raw.yaw) + 0.05 * off)
         field = self._field(range(max(0, len(self.keys) - _RECENT), len(self.keys)))
-        found = match(field, turn.cloud, guess, _LEAPT if turn.leapt else spread)
-        is_cut = turn.leapt
+        if turn.leapt:
+            spread = _LEAPT
+        found = match(field, turn.cloud, guess, spread)
+        is_cut = turn.leapt or bool(self.trouble)
         if found.share < _GOOD:
             found = self._searched(field, turn.cloud, found, guess)
-            is_cut = is_cut or bool(self.trouble)
             if found.share < (_FOUND_SHARE if self.trouble else _LOST):
                 self.trouble, self._lost = _FITS_NOWHERE, off + (0.0 if length else _STEP)
                 self._odom, self._from = turn.odom, guess

@@ -51,7 +51,7 @@ class Rig:
         self.armed: list[float] = []
         """When the script was allowed to drive, s."""
         self.losses = 0
-        """How often it was not any more."""
+        """Number of times that the leave to drive was taken away again."""
         (directory / "eeprom").write_bytes(b"torn")
         self.start_board()
         end.callback(lambda: self.end_board(signal.SIGKILL))

@@ -35,11 +35,7 @@ def make(name: Path, path: Path, *, onto: bool, calibrate: bool, file: Path | No
         return print_error(str(error))
     if not (heard or strange):
         return print_error(f"{path}: it has no scan/*; record a drive with `giraff record` while giraff_scan runs")
-    if strange:
-        print_error(f"{path}: {strange} scans could not be read, and are left out")
-    if not recording.whole:
-        print_error(f"{path}: cut off; this is of what is there")
-    for line in unread.texts():
+    for line in recording.faults(unread, strange):
         print_error(f"{path}: {line}")
     if stopping.asked:
         print_error(f"{path}: ended early; this is of what came before")
