@@ -183,6 +183,19 @@ LOCALIZATION: Final = Service(
     extra="localization",
 )
 """Tells where the robot is on a map. No part of what keeps it from obstacles."""
+PLACES: Final = Service(
+    name="places",
+    host="any",
+    entry="main",
+    publishes=(t.PLACES,),
+    subscribes=(t.POSE, t.MAP),
+    answers=(t.PLACES_SET,),
+    optional=True,
+    option="localize",
+    libraries=("numpy",),
+    extra="localization",
+)
+"""Knows places by name on the floor plan, and how to get there."""
 CAMERA: Final = Service(
     name="camera",
     host="robot",

@@ -12,6 +12,7 @@ from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
 from giraff_schemas import params as p
+from giraff_schemas import places as pl
 from giraff_schemas import requests as r
 from giraff_schemas.bumper import Bump
 from giraff_schemas.scan import LaserScan
@@ -89,6 +90,7 @@ MOTION_HOLD = Topic("motion/hold", mo.MotionHold, 25, "control")
 POSE = Topic("pose", lo.MapPose, 10, "state", size=600)
 PARTICLES = Topic("particles", lo.Particles, 2, "state", size=8000)
 MAP = Topic("map", lo.MapWalls, 0.2, "state", size=16_000)
+PLACES = Topic("places", pl.Places, 1, "state", size=1000)
 CAMERA = Topic("camera/*/@full", c.Picture, 15, "bulk", "camera")
 CAMERA_SMALL = Topic("camera/*/@small", c.Picture, 15, "bulk", "camera")
 CAMERA_ON = Topic("camera/*/on", c.CameraHold, 5, "state", "camera")
@@ -122,6 +124,7 @@ TOPICS: tuple[Topic[Any], ...] = (
     POSE,
     PARTICLES,
     MAP,
+    PLACES,
     CAMERA,
     CAMERA_SMALL,
     CAMERA_ON,
@@ -141,6 +144,7 @@ ODOM_ECHOES = Query("odom/echoes", r.OdomEchoes, r.EchoMap)
 
 LOCALIZATION_SET_POSE = Query("localization/set_pose", lo.LocalizationSetPose, lo.LocalizationAnswer)
 LOCALIZATION_GLOBAL = Query("localization/global", lo.LocalizationGlobal, lo.LocalizationAnswer)
+PLACES_SET = Query("places/set", pl.PlacesSet, pl.PlacesAnswer)
 
 QUERIES: tuple[Query[Any, Any], ...] = (
     ESTOP_ENGAGE,
@@ -150,8 +154,9 @@ QUERIES: tuple[Query[Any, Any], ...] = (
     ODOM_ECHOES,
     LOCALIZATION_SET_POSE,
     LOCALIZATION_GLOBAL,
+    PLACES_SET,
 )
-"""Of base, odometry and localization."""
+"""Of base, odometry, localization and places."""
 
 MOTION_MOVE = Query("motion/move", mo.MotionMove, mo.MotionAnswer)
 MOTION_TURN = Query("motion/turn", mo.MotionTurn, mo.MotionAnswer)

@@ -1,0 +1,118 @@
+"""Places by name and lines that no route crosses, on a floor plan: what giraff_places says, is asked, and answers.
+
+All is in the frame `map`, as localization has it.
+"""
+
+import math
+
+import msgspec
+
+from giraff_schemas.checks import require_finite
+from giraff_schemas.localization import PlanarPose
+from giraff_schemas.messages import Sample
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
+
+LONGEST_NAME = 40
+"""Characters of a place's name."""
+MOST = 200
+"""Places, and lines, of one plan."""
+
+
+def require_place_name(name: str) -> str:
+    """Return a name that a person can type after `giraff go`, where a point or a file may stand. Raises ValueError."""
+    if not 0 < len(name) <= LONGEST_NAME or not name[0].isalpha() or name != name.strip():
+        raise ValueError(f"{name[:50]!r} is no name: begin with a letter, and use {LONGEST_NAME} characters at most")
+    if wrong := next((each for each in name if not (each.isalnum() or each in " -_")), ""):
+        raise ValueError(f"{name!r} has {wrong!r} in it: use letters, digits, spaces, '-' and '_'")
+    return name
+
+
+class Place(PlanarPose, frozen=True, kw_only=True):
+    """Pose of `base_link` in `map` that has a name."""
+
+    name: str
+
+    def __post_init__(self) -> None:
+        require_place_name(self.name)
+        require_finite(self, self.x, self.y, self.yaw)
+
+
+class NoGoLine(msgspec.Struct, frozen=True, kw_only=True):
+    """A line, m, that no route crosses. The guard does not know it, and a hand drives over it."""
+
+    name: str
+    x: float
+    y: float
+    end_x: float
+    end_y: float
+
+    def __post_init__(self) -> None:
+        require_place_name(self.name)
+        require_line(self)
+
+
+class Places(Sample, frozen=True, kw_only=True):
+    """Places and lines of the floor plan that the robot is looked for on."""
+
+    map: str
+    """Name of the floor plan. Empty: there is none."""
+    places: tuple[Place, ...]
+    no_go: tuple[NoGoLine, ...]
+    reason: Trouble = NO_TROUBLE
+    """Cause, where the places count for nothing now: no plan, or localization goes by another one."""
+
+
+class PlaceAdd(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="add"):
+    """Give a place a name."""
+
+    name: str
+    pose: PlanarPose | None = None
+    """None: where the robot is now, which must be known then."""
+
+
+class PlaceRemove(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="remove"):
+    """Remove a place, or a line."""
+
+    name: str
+
+
+class PlaceForbid(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="forbid"):
+    """Draw a line that no route crosses, m in `map`. The answer has its name."""
+
+    x: float
+    y: float
+    end_x: float
+    end_y: float
+
+    def __post_init__(self) -> None:
+        require_line(self)
+
+
+PlaceChange = PlaceAdd | PlaceRemove | PlaceForbid
+
+
+class PlacesSet(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks for one change. It moves nothing."""
+
+    by: str
+    id: int
+    """Random, of this wish: asked again with the same one, it is not done again."""
+    change: PlaceChange
+
+
+class PlacesAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """What became of a change."""
+
+    done: bool
+    """It counts, and is on disk."""
+    name: str = ""
+    """Name of the place or line."""
+    reason: Trouble = NO_TROUBLE
+    """Cause of a refusal."""
+
+
+def require_line(line: NoGoLine | PlaceForbid) -> None:
+    """Raise ValueError for a line with an end that is no number, or whose ends are one point."""
+    require_finite(line, line.x, line.y, line.end_x, line.end_y)
+    if math.dist((line.x, line.y), (line.end_x, line.end_y)) < 0.01:
+        raise ValueError("both ends of the line are one point: give two that are 0.01 m apart or more")
