@@ -101,7 +101,7 @@ class PlacesSet(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class PlacesAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """What became of a change."""
+    """Answer to a change."""
 
     done: bool
     """It counts, and is on disk."""

@@ -22,7 +22,8 @@ GROUPS: Final[Mapping[str, Mapping[str, str]]] = {
     "Ask": {verb: verb for verb in ("why", "doctor", "logs", "topic", "node", "param", "graph", "frames", "odom")},
     "Record": {verb: verb for verb in ("record", "play", "replay", "vision")},
     "Set up": {
-        verb: verb for verb in ("commission", "check", "calibrate", "tune", "encoder", "map", "keys", "completion")
+        verb: verb
+        for verb in ("commission", "check", "calibrate", "tune", "encoder", "map", "place", "keys", "completion")
     },
     "Develop": {verb: verb for verb in ("dst",)},
 }

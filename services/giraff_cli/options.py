@@ -1,7 +1,7 @@
 """Options that several commands have."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 if TYPE_CHECKING:
+    from giraff_core.kinematics.pose import Pose
     from giraff_schemas.services import Service
 
 
@@ -17,6 +18,23 @@ def finite(number: float | None) -> float | None:
     if number is not None and not math.isfinite(number):
         raise typer.BadParameter(f"{number:g} is no number to count with")
     return number
+
+
+def typed_pose(words: "Sequence[str]") -> "Pose":
+    """Return the pose that was typed with `NEGATIVE`.
+
+    Raises ValueError, for several words with the one that they should have been.
+    """
+    from giraff_tools import typed  # noqa: PLC0415  for a command that takes a pose
+
+    if wrong := [word for word in words if word.startswith("--")]:
+        raise ValueError(f"no option {wrong[0]}")
+    unit = "rad"
+    try:
+        typed.angle(words[-1])
+    except ValueError:  # beyond a turn, and so no radians
+        unit = "deg"
+    return typed.pose(typed.one_word(words, typed.pose, unit))
 
 
 def parsed(read: Callable[[str], float]) -> Callable[[str], float]:

@@ -46,6 +46,9 @@ encoder disk disk.svg
 map show deploy/worlds/flat.toml
 map convert deploy/worlds/flat.toml flat.yaml
 map make ground-floor
+place add kitchen 3.2,1.5,90deg
+place remove kitchen
+place forbid 5,0 5,1.2
 keys host robot 192.168.1.20
 completion bash
 """.splitlines()

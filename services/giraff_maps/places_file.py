@@ -11,8 +11,11 @@ It is TOML, metres, in the plan's own frame:
     points = [[5.0, 0.0], [5.0, 1.2]]         # a line that no route crosses
 """
 
+import contextlib
 import math
+import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -24,6 +27,9 @@ from giraff_schemas.places import MOST, NoGoLine, Place
 from giraff_schemas.text import plain
 
 _ENDING: Final = ".places.toml"
+_HEAD: Final = "# Places and no-go lines of the floor plan {}. `giraff place` writes them, and people may, too.\n"
+_BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
+"""A key of TOML that needs no quotes."""
 
 
 class _Strict(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -63,21 +69,70 @@ def places_path(plan: Path) -> Path:
     return plan.with_name(f"{plan.stem}{_ENDING}")
 
 
+class PlacesStore:
+    """The file that belongs to a floor plan. Raises MapError, whatever is wrong with it."""
+
+    def __init__(self, plan: Path, write: Callable[[Path, bytes], None]) -> None:
+        """`write`: replaces a file durably, or raises OSError."""
+        self._path, self._write = places_path(plan), write
+
+    def read(self) -> KnownPlaces:
+        """Return what the file has. A file that is not there has nothing."""
+        return read_places(self._path)
+
+    def write(self, known: KnownPlaces) -> None:
+        """Add to the file and remove from it, so that it has these places and lines. All else in it stays."""
+        try:
+            self._write(self._path, _changed(self._path, known).encode())
+        except OSError as error:
+            raise MapError(
+                f"{self._path} cannot be written: {error.strerror or error}; make room on that disk, or put the floor "
+                "plan into a folder that giraff_places may write to"
+            ) from error
+
+
 def read_places(path: Path) -> KnownPlaces:
     """Return what the file has. A file that is not there has nothing. Raises MapError."""
-    if not path.exists():
-        return KnownPlaces()
+    text = _text(path)
+    return KnownPlaces() if text is None else _known(text, path)
+
+
+def _text(path: Path) -> str | None:
+    """Return the text of a file. None: it is not there. Raises MapError."""
     try:
-        content = msgspec.convert(tomllib.loads(read_text(path)), PlacesFile)
+        return read_text(path) if path.exists() else None
+    except (OSError, ValueError) as error:  # nobody may look into the folder, or it is no text
+        raise MapError(f"{path}: {plain(error)}") from error
+
+
+def _changed(path: Path, known: KnownPlaces) -> str:
+    """Return the text of the file with these places and lines. Raises MapError."""
+    text = _text(path) or _HEAD.format(path.name.removesuffix(_ENDING))
+    there = _known(text, path)
+    for table, before, now in (("places", there.places, known.places), ("no_go", there.no_go, known.no_go)):
+        for each in before:
+            if each not in now:
+                text = _without(text, {table: {each.name: {}}})
+        text += "".join(_table_of(each) for each in now if each not in before)
+    with contextlib.suppress(MapError):
+        if _known(text, path) == known:
+            return text
+    raise MapError(f"{path}: not in a form that can be changed: give each place and line a table of its own")
+
+
+def _known(text: str, path: Path) -> KnownPlaces:
+    """Return what a file with this text has. Raises MapError."""
+    try:
+        content = msgspec.convert(tomllib.loads(text), PlacesFile)
         places = tuple(_place(name, table) for name, table in content.places.items())
         no_go = tuple(
             NoGoLine(name=name, x=x, y=y, end_x=end_x, end_y=end_y)
             for name, ((x, y), (end_x, end_y)) in ((name, table.points) for name, table in content.no_go.items())
         )
-        if both := content.places.keys() & content.no_go.keys():
-            raise ValueError(f"{min(both)!r} is a place and a line: give one of them another name")
     except (ValueError, RecursionError) as error:
         raise MapError(f"{path}: {plain(error)}") from error
+    if both := content.places.keys() & content.no_go.keys():
+        raise MapError(f"{path}: {min(both)!r} is a place and a line: give one of them another name")
     if max(len(places), len(no_go)) > MOST:
         raise MapError(f"{path}: more than {MOST} places or lines: remove some")
     return KnownPlaces(places, no_go)
@@ -86,3 +141,34 @@ def read_places(path: Path) -> KnownPlaces:
 def _place(name: str, table: PlaceTable) -> Place:
     yaw = math.remainder(math.radians(table.yaw_deg), math.tau) if math.isfinite(table.yaw_deg) else math.nan
     return Place(name=name, x=table.x, y=table.y, yaw=yaw)
+
+
+def _table_of(each: Place | NoGoLine) -> str:
+    key = each.name if _BARE.fullmatch(each.name) else f'"{each.name}"'
+    if isinstance(each, Place):
+        yaw = round(math.degrees(each.yaw), 1) + 0.0
+        return f"\n[places.{key}]\nx = {each.x!r}\ny = {each.y!r}\nyaw_deg = {yaw!r}\n"
+    return f"\n[no_go.{key}]\npoints = [[{each.x!r}, {each.y!r}], [{each.end_x!r}, {each.end_y!r}]]\n"
+
+
+def _without(text: str, header: dict[str, dict[str, dict[str, float]]]) -> str:
+    """Return the text without the table of this header. Comments before it and behind it stay."""
+    lines = text.splitlines(keepends=True)
+    headers = {at: found for at, line in enumerate(lines) if (found := _header(line))}
+    begin = next((at for at, found in headers.items() if found == header), None)
+    if begin is None:
+        return text
+    end = next((at for at in headers if at > begin), len(lines))
+    while lines[end - 1].strip()[:1] in {"", "#"}:
+        end -= 1
+    if begin and not lines[begin - 1].strip():
+        begin -= 1
+    return "".join(lines[:begin] + lines[end:])
+
+
+def _header(line: str) -> dict[str, object]:
+    """Return the tables that a line is the header of; empty: it is none."""
+    try:
+        return tomllib.loads(line) if line.lstrip().startswith("[") else {}
+    except ValueError:
+        return {}

@@ -16,6 +16,7 @@ from giraff_schemas.codec import DecodeError, decode, encode
 from giraff_schemas.localization import LocalizationGlobal, LocalizationSetPose
 from giraff_schemas.messages import Lease, RobotTime, Tick
 from giraff_schemas.motion import Arc, GoTo, MotionArc, MotionCancel, MotionGo, MotionMove, MotionTurn, Move, Turn
+from giraff_schemas.places import PlaceAdd, PlacesSet
 from giraff_schemas.requests import EStopEngage, EStopReset, OdomReset, OdomSetPose
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
@@ -31,6 +32,7 @@ from giraff_schemas.topics import (
     ODOM_ECHOES,
     ODOM_RESET,
     ODOM_SET_POSE,
+    PLACES_SET,
     QUERIES,
     TOPICS,
     VISUAL_ODOM,
@@ -68,6 +70,7 @@ REQUESTS: Final[dict[str, msgspec.Struct]] = {
     ODOM_SET_POSE.key: OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5),
     LOCALIZATION_SET_POSE.key: LocalizationSetPose(by="somebody", id=7, x=1.0, y=-1.0, yaw=0.5),
     LOCALIZATION_GLOBAL.key: LocalizationGlobal(by="somebody", id=8),
+    PLACES_SET.key: PlacesSet(by="somebody", id=9, change=PlaceAdd(name="kitchen")),
     MOTION_MOVE.key: MotionMove(by="somebody", id=3, instance="asker", tick=_OLD, distance=1.0),
     MOTION_TURN.key: MotionTurn(by="somebody", id=4, instance="asker", tick=_OLD, angle=-1.5, turn_speed=0.5),
     MOTION_ARC.key: MotionArc(by="somebody", id=5, instance="asker", tick=_OLD, radius=0.5, angle=1.5, time_limit=10.0),

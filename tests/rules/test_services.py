@@ -156,6 +156,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
         "keyboard": (MagicMock(topics=DriveView.topics),),  # its screen
         "web": (MagicMock(), MagicMock()),  # its pages and its log
         "localization": (Trouble("there is none"),),  # its map
+        "places": (Trouble("there is none"), None),  # its map, and its file
         "camera": (MagicMock(), MagicMock()),  # what sees, and its log
         "ros2": (MagicMock(**{"wall_ns.return_value": 0}),),  # a node of ROS
     }

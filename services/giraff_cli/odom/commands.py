@@ -5,15 +5,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from giraff_cli.options import NEGATIVE, AsJson, Connect, Robot, finite, parsed
+from giraff_cli.options import NEGATIVE, AsJson, Connect, Robot, finite, parsed, typed_pose
 from giraff_schemas.text import printable
 from giraff_tools import typed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from giraff_cli.odom.client import Result
-    from giraff_core.kinematics.pose import Pose
     from giraff_tools.network.connection import RobotConnection
 
 odom = typer.Typer(no_args_is_help=True, help="Tell odometry where the robot is.")
@@ -62,24 +61,12 @@ def set_pose(
     from giraff_tools.network.command import print_error  # noqa: PLC0415
 
     try:
-        place = _pose(pose)
+        place = typed_pose(pose)
     except ValueError as error:
         raise typer.Exit(print_error(f"odom set: {error}")) from None
     _report(
         robot, connect, timeout, lambda met: client.set_pose(met, place, position_sd, yaw_sd, timeout), as_json=as_json
     )
-
-
-def _pose(words: "Sequence[str]") -> "Pose":
-    """Return the pose that was typed. Raises ValueError, for several words with the one that they should have been."""
-    if wrong := [word for word in words if word.startswith("--")]:
-        raise ValueError(f"no option {wrong[0]}")
-    unit = "rad"
-    try:
-        typed.angle(words[-1])
-    except ValueError:  # beyond a turn, and so no radians
-        unit = "deg"
-    return typed.pose(typed.one_word(words, typed.pose, unit))
 
 
 def _report(

@@ -6,7 +6,7 @@ from typing import Any, Final
 import zenoh
 
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import LOCALIZATION, PLAY, SERVICES
+from giraff_schemas.services import LOCALIZATION, PLACES, PLAY, SERVICES
 from giraff_schemas.text import meant
 from giraff_schemas.topics import (
     CAMERA_ON,
@@ -32,7 +32,7 @@ _COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key, MOTION_HOLD.key)
 _ROBOTS_OWN: Final = frozenset(
     topic.key
     for service in SERVICES
-    if service.host == "robot" or service is LOCALIZATION  # by whose word it drives on a map
+    if service.host == "robot" or service in (LOCALIZATION, PLACES)  # by whose word it drives on a map
     for topic in service.publishes
     if topic != CMD_VEL
 )

@@ -89,7 +89,7 @@ def test_a_mistake_shows(machine: Path, old: str, new: str) -> None:
     assert analyze(machine, "verify", "giraff@base.service").stderr
 
 
-@pytest.mark.parametrize("service", ["recorder", "localization", "camera", "vision"])
+@pytest.mark.parametrize("service", ["recorder", "localization", "places", "camera", "vision"])
 def test_what_is_a_services_own_is_read_for_it_alone(service: str, machine: Path) -> None:
     own = machine / "etc/systemd/system" / f"giraff@{service}.service.d" / "behind.conf"
     own.write_text(own.read_text().replace("CPUWeight=20", "CPUWeight=twenty"))

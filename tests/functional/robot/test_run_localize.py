@@ -52,7 +52,7 @@ def test_a_run_looks_for_its_robot_on_its_own_map(command: Command, tmp_path: Pa
         line = line_of(process, "giraff drive")
         target = shlex.split(line)[shlex.split(line).index("drive") + 1 :]
         line_of(process, " | map told x ")
-        assert len(command.pids()) == PROCESSES + 1
+        assert len(command.pids()) == PROCESSES + 2
         asked = until_done("--at", "0.1,0,0deg")
         assert asked.stderr == ""
         assert " is taken to be at about x 0.10 y 0.00 m, 0.0°, ± 0.42 m, 11°; " in asked.stdout

@@ -37,7 +37,7 @@ def test_each_process_is_told_what_the_plan_has(
     assert simulated_robot.SimulatedRobot(made, "tcp/127.0.0.1:7447", tmp_path).start_simulator(MagicMock())
 
     services = [name for name in SIMULATED if name != "door"]
-    services += ["scan", "web", "localization", "camera", "vision"] if options else []
+    services += ["scan", "web", "localization", "places", "camera", "vision"] if options else []
     eye = ["simulated-camera"] if options else []
     assert [*started] == ["door", "simulator", *eye, *services]
     for name in ("door", *services):

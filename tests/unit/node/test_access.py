@@ -31,6 +31,7 @@ from giraff_schemas.topics import (
     ODOM_SET_POSE,
     OPERATOR_CMD_VEL,
     PARAM_SET,
+    PLACES_SET,
     RANGE,
     TICK,
     TILT,
@@ -91,7 +92,8 @@ def test_nobody_else_commands(host: str) -> None:
 def test_whoever_is_named_may_stop_and_operators_reset_and_set(host: str, stops: bool, sets: bool) -> None:
     for harmless in (ESTOP_ENGAGE, ODOM_ECHOES):
         assert lets_in(host, "query", key_of(ROBOT, harmless)) == stops, harmless.key
-    asked = (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL, PARAM_SET.at("guard"))
+    to_localization = (LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL, PLACES_SET)
+    asked = (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, *to_localization, PARAM_SET.at("guard"))
     for query in asked:
         assert lets_in(host, "query", key_of(ROBOT, query)) == sets, query.key
     assert {other for other in HOSTS if lets_in(other, "query", f"giraff/{ROBOT}/**")} == {"robot", "laptop", "desk"}

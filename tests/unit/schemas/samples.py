@@ -10,6 +10,7 @@ from giraff_schemas import camera as c
 from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
+from giraff_schemas import places as pl
 from giraff_schemas import scan as sc
 
 _FINITE = st.floats(allow_nan=False, allow_infinity=False)
@@ -17,6 +18,7 @@ _COUNTS = st.integers(min_value=-(1 << 63), max_value=(1 << 64) - 1)  # what Mes
 _EPOCHS = st.integers(min_value=1, max_value=(1 << 32) - 1)
 _ROBOT_NS = st.integers(min_value=0, max_value=(1 << 64) - 1)
 _TEXTS = st.text(max_size=8)
+_NAMES = st.sampled_from(("kitchen", "Küche 2", "line-1"))
 _INSTANCES = st.text(min_size=1, max_size=8)
 
 _LEAVES: dict[Any, st.SearchStrategy[Any]] = {
@@ -29,6 +31,8 @@ _LEAVES: dict[Any, st.SearchStrategy[Any]] = {
     lo.FreeCells: st.binary(max_size=8).map(
         lambda bits: lo.FreeCells(left=-1.0, bottom=2.0, side=0.05, columns=8, rows=len(bits), bits=bits)
     ),
+    pl.Place: st.builds(pl.Place, name=_NAMES, x=_FINITE, y=_FINITE, yaw=_FINITE),
+    pl.NoGoLine: st.builds(pl.NoGoLine, name=_NAMES, x=_FINITE, y=_FINITE, end_x=st.just(0.5), end_y=st.just(-0.25)),
     m.RobotTime: st.builds(m.RobotTime, epoch=_EPOCHS, robot_ns=_ROBOT_NS),
 }
 
@@ -249,6 +253,13 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "map": "hall",
         "walls": [[0.0, 0.0, 5.0, 0.0]],
         "free": {"left": 0.0, "bottom": 0.0, "side": 0.05, "columns": 3, "rows": 3, "bits": b"\x00\x80"},
+    },
+    pl.Places: _START
+    | {
+        "map": "hall",
+        "places": [_PLACE | {"name": "kitchen"}],
+        "no_go": [{"name": "line-1", "x": 0.0, "y": 1.0, "end_x": 2.0, "end_y": 1.0}],
+        "reason": _WELL,
     },
     mo.MotionHold: _START | {"id": 11, "tick": _TIME},
     mo.MotionState: _START

@@ -15,7 +15,10 @@ from giraff_schemas.codec import decode, encode, stamped
 from giraff_schemas.topics import TOPICS, Topic
 from tests.unit.schemas.samples import an_example
 
-OURS = {f"giraff_schemas.{module}" for module in ("messages", "camera", "motion", "localization", "scan", "checks")}
+OURS = {
+    f"giraff_schemas.{module}"
+    for module in ("messages", "camera", "motion", "localization", "places", "scan", "checks")
+}
 
 
 def fields_of(sample: msgspec.Struct) -> dict[str, Any]:

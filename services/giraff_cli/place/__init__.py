@@ -1,0 +1,1 @@
+"""`giraff place`: places by name, and lines that no route crosses."""

@@ -1,0 +1,199 @@
+"""Decides whether the places count, and what a change makes of them. No I/O and no clock."""
+
+import math
+import shlex
+from typing import Final, NamedTuple
+
+from giraff_maps.floor_plan import FloorPlan
+from giraff_maps.places_file import KnownPlaces
+from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
+from giraff_schemas.places import (
+    LONGEST_NAME,
+    MOST,
+    NoGoLine,
+    Place,
+    PlaceAdd,
+    PlaceChange,
+    PlaceForbid,
+    PlaceRemove,
+    Places,
+)
+from giraff_schemas.text import brief, meant
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
+
+_FRESH: Final = 1.0
+"""s; localization tells the pose ten times a second."""
+_SILENT: Final = 3.0
+"""s without a pose after which localization counts as gone."""
+_LINE: Final = "line-"
+
+_UNHEARD: Final = Trouble(
+    "localization is not heard", "check that giraff_localization runs, which tells its floor plan each 5 s"
+)
+_NO_POSE: Final = Trouble("no pose on the map is heard", "check giraff_localization, or give the pose")
+_TWO: Final = Trouble(
+    "two processes say where the robot is on the map", "see both with `giraff node list`, and stop one of them"
+)
+_FULL: Final = Trouble(f"{MOST} are there already, and no plan has more", "remove one")
+
+
+class PlanFile(NamedTuple):
+    """A floor plan, and the path of its file."""
+
+    plan: FloorPlan
+    path: str
+
+
+class Changed(NamedTuple):
+    """Places after a change."""
+
+    name: str
+    """Name of the place or line that it is about."""
+    known: KnownPlaces
+
+
+class PlacesPolicy:
+    """Knows the places of one floor plan. Times are s of any one monotonic clock."""
+
+    def __init__(self, source: PlanFile | Trouble) -> None:
+        """`source`: the plan, or why there is none."""
+        self._source = source
+        self.known = KnownPlaces()
+        self.file_fault = NO_TROUBLE
+        """Cause, where the file of the places cannot be read now."""
+        self._walls: MapWalls | None = None
+        self._pose: MapPose | None = None
+        self._heard = -math.inf
+        self._disputed = -math.inf
+        """Moment when two processes last told the pose beside each other."""
+
+    def on_map(self, walls: MapWalls) -> None:
+        """Take the floor plan that localization goes by."""
+        self._walls = walls
+
+    def on_pose(self, pose: MapPose, now: float) -> None:
+        """Take where the robot is."""
+        if self._pose is not None and pose.instance != self._pose.instance and now - self._heard <= _FRESH:
+            self._disputed = now
+        self._pose, self._heard = pose, now
+
+    @property
+    def no_plan(self) -> Trouble:
+        """Cause, where there is no floor plan."""
+        return self._source if isinstance(self._source, Trouble) else NO_TROUBLE
+
+    def places(self, now: float) -> Places:
+        """Return what is to be told."""
+        name = "" if isinstance(self._source, Trouble) else self._source.plan.name
+        return Places(map=name, places=self.known.places, no_go=self.known.no_go, reason=self.reason(now))
+
+    def reason(self, now: float) -> Trouble:
+        """Return why the places count for nothing now."""
+        if isinstance(self._source, Trouble):
+            return self._source
+        return self.file_fault or self._plan_fault(self._source, now)
+
+    def _plan_fault(self, source: PlanFile, now: float) -> Trouble:
+        walls, pose = self._walls, self._pose
+        if now - self._disputed <= _FRESH:
+            return _TWO
+        if walls is None or pose is None or now - self._heard > _SILENT or pose.instance != walls.instance:
+            return _UNHEARD
+        if not walls.map:
+            return Trouble("localization has no floor plan", "", "run", "giraff localize --for 1")
+        if (walls.map, walls.walls) != source.plan:
+            return Trouble(
+                f"localization goes by another floor plan, {brief(walls.map)}, than {source.path}",
+                "give both the same `map` of [localization], and restart them",
+            )
+        return NO_TROUBLE
+
+    def changed(self, change: PlaceChange, now: float) -> Changed | Trouble:
+        """Return what a change makes of the known places, or why it is refused."""
+        source = self._source
+        if isinstance(source, Trouble):
+            return source
+        if reason := self.reason(now):
+            return reason
+        match change:
+            case PlaceAdd():
+                return self._added(change, now)
+            case PlaceRemove():
+                return self._removed(change.name)
+            case PlaceForbid():
+                return self._forbidden(change, source.plan)
+
+    def _added(self, change: PlaceAdd, now: float) -> Changed | Trouble:
+        places, no_go = self.known
+        if taken := self._taken(change.name):
+            return taken
+        if len(places) >= MOST:
+            return _FULL
+        pose = change.pose or self._pose_now(now)
+        if isinstance(pose, Trouble):
+            return pose
+        x, y = _mm(pose.x), _mm(pose.y)
+        degrees = round(math.degrees(math.remainder(pose.yaw, math.tau)), 1) + 0.0
+        try:
+            place = Place(name=change.name, x=x, y=y, yaw=math.remainder(math.radians(degrees), math.tau))
+        except ValueError as error:
+            return Trouble(str(error))
+        if fault := self._standing_fault(x, y):
+            return fault
+        return Changed(place.name, KnownPlaces((*places, place), no_go))
+
+    def _removed(self, name: str) -> Changed | Trouble:
+        there = self._names()
+        if name not in there:
+            others = meant(name, there) or (f"there are {', '.join(there)}" if there else "there are none yet")
+            return Trouble(f"no place and no line is called {brief(name, LONGEST_NAME)}", others.strip())
+        places = tuple(place for place in self.known.places if place.name != name)
+        no_go = tuple(line for line in self.known.no_go if line.name != name)
+        return Changed(name, KnownPlaces(places, no_go))
+
+    def _forbidden(self, change: PlaceForbid, plan: FloorPlan) -> Changed | Trouble:
+        places, no_go = self.known
+        if len(no_go) >= MOST:
+            return _FULL
+        x, y, end_x, end_y = map(_mm, (change.x, change.y, change.end_x, change.end_y))
+        left, bottom, right, top = plan.bounds
+        if max(x, end_x) < left or min(x, end_x) > right or max(y, end_y) < bottom or min(y, end_y) > top:
+            return Trouble(
+                f"the line is off the map, which goes from ({left:.1f}, {bottom:.1f}) to ({right:.1f}, {top:.1f}) m",
+                "give a line on it",
+            )
+        names = {*self._names()}
+        name = next(f"{_LINE}{number}" for number in range(1, 2 * MOST + 2) if f"{_LINE}{number}" not in names)
+        line = NoGoLine(name=name, x=x, y=y, end_x=end_x, end_y=end_y)
+        return Changed(name, KnownPlaces(places, (*no_go, line)))
+
+    def _names(self) -> list[str]:
+        return [each.name for kind in self.known for each in kind]
+
+    def _taken(self, name: str) -> Trouble:
+        """Return what has this name already."""
+        remove = f"giraff place remove {shlex.quote(name)}"
+        for place in self.known.places:
+            if place.name == name:
+                return Trouble(f"{name} is a place already, at ({place.x:g}, {place.y:g}) m", "", "run", remove)
+        if any(line.name == name for line in self.known.no_go):
+            return Trouble(f"{name} is a no-go line already", "", "run", remove)
+        return NO_TROUBLE
+
+    def _pose_now(self, now: float) -> PlanarPose | Trouble:
+        """Return where the robot is, or why that is not known."""
+        pose = self._pose
+        if pose is None or now - self._heard > _FRESH:
+            return _NO_POSE
+        if pose.state not in {"localized", "told"}:
+            unknown = f"it is not known where the robot is on the map ({pose.state})"
+            return pose.reason or Trouble(unknown, "", "run", "giraff localize")
+        return PlanarPose(x=pose.x, y=pose.y, yaw=pose.yaw)
+
+    def _standing_fault(self, x: float, y: float) -> Trouble:
+        """Return why the robot cannot stand there."""
+        return NO_TROUBLE if self._walls is None or self._walls.free is None else self._walls.free.fault(x, y)
+
+
+def _mm(metres: float) -> float:
+    return round(metres, 3) + 0.0  # no -0.0
