@@ -3,7 +3,7 @@
 import secrets
 import time
 from collections.abc import Sequence
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import msgspec
 
@@ -94,7 +94,7 @@ def show(robot: str | None, connect: Sequence[str], *, as_json: bool) -> int:
             there = others(connection.session, connection.robot)
             return print_error(f"no places of {connection.robot} are heard for {_PATIENCE:g} s; {_CHECK}{there}")
         if as_json:
-            print_json(document(connection.robot, places))
+            print_json({"robot": connection.robot, **msgspec.to_builtins(places)})
         else:
             print_places(connection.robot, places)
         return DONE
@@ -112,11 +112,6 @@ def next_places(connection: RobotConnection, seconds: float) -> Places | None:
             return newest.sample
         time.sleep(_TURN)
     return None
-
-
-def document(robot: str, places: Places) -> dict[str, Any]:
-    """Return the places for programs: m and rad."""
-    return {"robot": robot, **msgspec.to_builtins(places)}
 
 
 def print_places(robot: str, places: Places) -> None:
