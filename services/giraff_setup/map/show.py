@@ -3,18 +3,22 @@
 import math
 import shutil
 import sys
+import textwrap
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 from typing import Final
 
-from giraff_maps.floor_plan import FloorPlan, MapError
+import msgspec
+
+from giraff_maps.floor_plan import FloorPlan, MapError, at_home
+from giraff_maps.places_file import KnownPlaces, places_path, read_places
 from giraff_maps.read import read_map
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import printable
 from giraff_tools.network.command import print_error
 from giraff_tools.terminal.dots import takes_dots
-from giraff_tools.terminal.floor import FloorDrawing
+from giraff_tools.terminal.floor import FloorDrawing, legend
 from giraff_tools.terminal.output import guard_stdout
 from giraff_tools.terminal.page import print_json
 from giraff_tools.terminal.text import counted
@@ -33,11 +37,12 @@ def show(file: Path, svg: Path | None, *, as_json: bool = False) -> int:
     """The exit code."""
     try:
         plan = read_map(file)
+        known = read_places(places_path(at_home(file)))
     except MapError as error:
         return print_error(str(error))
     if svg is not None:
         try:
-            write_file_durably(svg, picture(plan, summary(plan)).encode())
+            write_file_durably(svg, picture(plan, summary(plan), known).encode())
         except OSError as error:
             return print_error(f"--svg {svg}: cannot be written: {error.strerror or error}; name another file")
 
@@ -45,11 +50,14 @@ def show(file: Path, svg: Path | None, *, as_json: bool = False) -> int:
         if as_json:
             left, bottom, right, top = plan.bounds
             told = {"name": plan.name, "x": [left, right], "y": [bottom, top], "walls": len(plan.walls)}
-            print_json(told | {"svg": None if svg is None else str(svg)})
+            print_json(told | msgspec.to_builtins(known._asdict()) | {"svg": None if svg is None else str(svg)})
             return 0
         dots = takes_dots()
         print(summary(plan, ascii_only=not dots))
-        print(FloorDrawing(plan, *_room_for_it(), dots=dots).draw().plain)
+        columns, lines = _room_for_it()
+        below = textwrap.wrap(legend(known, dots=dots), columns)
+        drawing = FloorDrawing(plan, columns, max(10, lines - len(below)), dots=dots)
+        print("\n".join([drawing.draw(known=known).plain, *below]))
         return 0
 
     return guard_stdout(report)
@@ -73,7 +81,7 @@ def _room_for_it() -> tuple[int, int]:
     return max(10, min(columns - 1, _WIDEST)), max(10, lines - _BESIDE)
 
 
-def picture(plan: FloorPlan, title: str) -> str:
+def picture(plan: FloorPlan, title: str, known: KnownPlaces) -> str:
     """Metres of the plan's own frame are written at the grid."""
     step = _step(plan)
     left, bottom, right, top = plan.bounds
@@ -106,6 +114,14 @@ def picture(plan: FloorPlan, title: str) -> str:
         f"M{across(x):.1f} {down(y):.1f} L{across(end_x):.1f} {down(end_y):.1f}" for x, y, end_x, end_y in plan.walls
     )
     lines.append(f'<path d="{walls}" fill="none" stroke="#223" stroke-width="2" stroke-linecap="round"/>')
+    for line in known.no_go:
+        ends = f"M{across(line.x):.1f} {down(line.y):.1f} L{across(line.end_x):.1f} {down(line.end_y):.1f}"
+        lines.append(f'<path d="{ends}" stroke="#c00" stroke-width="2" stroke-dasharray="6 4"/>')
+    for place in known.places:
+        x, y = across(place.x), down(place.y)
+        turned = f"translate({x:.1f} {y:.1f}) rotate({-math.degrees(place.yaw):.1f})"
+        lines.append(f'<path d="M9 0 L-5 5 V-5 Z" fill="#06c" transform="{turned}"/>')
+        lines.append(_label(escape(printable(place.name)), x, y + 20.0, "middle"))
     return "\n".join([*lines, "</svg>", ""])
 
 

@@ -1,9 +1,10 @@
-"""A floor plan in characters: its walls, axes in metres, and where the robot is on it."""
+"""A floor plan in characters: its walls, axes in metres, its places, and where the robot is on it."""
 
 import math
 import shutil
 from collections.abc import Iterator
 from functools import lru_cache
+from string import ascii_letters
 from typing import Final
 
 from rich.console import Group, RenderableType
@@ -11,7 +12,10 @@ from rich.text import Text
 
 from giraff_core.kinematics.pose import ELLIPSE_95
 from giraff_maps.floor_plan import FloorPlan, Wall
+from giraff_maps.places_file import KnownPlaces
 from giraff_schemas.localization import MapPose
+from giraff_schemas.places import Place
+from giraff_schemas.text import printable
 from giraff_tools.terminal.dots import ACROSS, DOWN, Dots, takes_dots
 
 _STEPS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
@@ -21,7 +25,10 @@ _BELOW: Final = 3  # lines below the drawing: the axis, its figures, and the ori
 _ARROWS: Final = ("→↗↑↖←↙↓↘", ">/^\\</v\\")
 _AXES: Final = ("┤│└┴─", "+||+-")
 _ORIGIN: Final = ("┼", "+")
+_NO_GO: Final = ("▒", "!")
+_NO_PLACES: Final = KnownPlaces()
 _AROUND: Final = 256  # dots of an ellipse
+_MOST_STEPS: Final = 4096  # along a line. A longer one ends far outside the plan
 
 _LARGEST: Final = 80, 24
 """Columns and lines of a floor plan above words."""
@@ -50,11 +57,12 @@ class FloorDrawing:
             for x, y in _points(wall, self._per_metre):
                 self._walls.set(*self._dot(x, y))
 
-    def draw(self, pose: MapPose | None = None, style: str = "") -> Text:
-        """`pose`: the robot's, drawn in this style, with the ellipse that holds it with 95 % and its other places."""
-        drawing, ellipse, marks = self._walls.copy(), set[Cell](), dict[Cell, str]()
-        if self._is_inside(0.0, 0.0):
-            marks[self._cell(0.0, 0.0)] = self._either(_ORIGIN)
+    def draw(self, pose: MapPose | None = None, style: str = "", known: KnownPlaces = _NO_PLACES) -> Text:
+        """`pose`: the robot's, drawn in this style, with the ellipse that holds it with 95 % and its other places.
+
+        `known`: drawn with the signs of `legend`.
+        """
+        drawing, ellipse, marks = self._walls.copy(), set[Cell](), self._marks(known)
         if pose is not None and pose.state != "no_map":
             for x, y in filter(lambda point: self._is_inside(*point), _ellipse(pose)):
                 drawing.set(*self._dot(x, y))
@@ -76,6 +84,14 @@ class FloorDrawing:
             text.append("\n")
         text.append("\n".join(self._below()))
         return text
+
+    def _marks(self, known: KnownPlaces) -> dict[Cell, str]:
+        """Return the signs of no-go lines, of the origin above them, and of places above both."""
+        lines = [(line.x, line.y, line.end_x, line.end_y) for line in known.no_go]
+        marks = [(*point, self._either(_NO_GO)) for line in lines for point in _points(line, self._per_metre)]
+        marks.append((0.0, 0.0, self._either(_ORIGIN)))
+        marks += [(place.x, place.y, sign) for place, sign in _signs(known.places)]
+        return {self._cell(x, y): sign for x, y, sign in marks if self._is_inside(x, y)}
 
     def _dot(self, x: float, y: float) -> tuple[int, int]:
         return round((x - self._bounds.left) * self._per_metre), round((self._bounds.top - y) * self._per_metre)
@@ -112,6 +128,15 @@ class FloorDrawing:
         yield f"{' ' * self._margin}{where}"
 
 
+def legend(known: KnownPlaces, *, dots: bool) -> str:
+    """Return the signs of places and no-go lines with their names, in one line. Empty: the plan has none."""
+    parts = [f"{sign} {place.name}" for place, sign in _signs(known.places)]
+    if known.no_go:
+        parts.append(f"{_NO_GO[not dots]} no-go: {', '.join(line.name for line in known.no_go)}")
+    text = printable("; ".join(parts))
+    return text if dots else text.encode("ascii", "replace").decode()
+
+
 def plan_and_words(plan: FloorPlan | None, pose: MapPose | None, words: str, style: str) -> RenderableType:
     """Return a floor plan, as large as the terminal takes it, above words in one style. None: the words alone."""
     told = Text(words, style)
@@ -129,10 +154,19 @@ _drawing = lru_cache(maxsize=4)(FloorDrawing)
 def _points(wall: Wall, per_metre: float) -> Iterator[tuple[float, float]]:
     """Points of a wall, two for each dot that it crosses."""
     x, y, end_x, end_y = wall
-    steps = max(1, math.ceil(2.0 * per_metre * math.hypot(end_x - x, end_y - y)))
+    steps = max(1, math.ceil(min(2.0 * per_metre * math.hypot(end_x - x, end_y - y), _MOST_STEPS)))
     for step in range(steps + 1):
         part = step / steps
         yield x + part * (end_x - x), y + part * (end_y - y)
+
+
+def _signs(places: tuple[Place, ...]) -> Iterator[tuple[Place, str]]:
+    """Yield each place with a letter that no other has: of its name if possible. After all letters: `*`."""
+    free = dict.fromkeys(ascii_letters)
+    for place in places:
+        sign = next((each for each in (*place.name.lower(), *free) if each in free), "*")
+        free.pop(sign, None)
+        yield place, sign
 
 
 def _figures(begin: float, end: float, step: float) -> Iterator[float]:

@@ -88,6 +88,35 @@ def test_it_is_shown(giraff: Giraff, tmp_path: Path) -> None:
     assert {"m", "0", "12", "8"} <= {*texts}
 
 
+def test_places_and_no_go_lines_are_drawn_with_the_plan(giraff: Giraff, tmp_path: Path) -> None:
+    plan = room(tmp_path, polyline((0, 0), (2, 0), (2, 2), (0, 2), (0, 0)))
+    svg, beside = tmp_path / "out.svg", tmp_path / "room.places.toml"
+    bare = giraff("map", "show", str(plan), "--svg", str(svg))[1], svg.read_text()
+    beside.write_text(
+        "[places]\nkitchen = {x = 0.5, y = 1.5, yaw_deg = 90}\n'Küche' = {x = 1.5, y = 1.5, yaw_deg = 0}\n"
+        "attic = {x = 9, y = 9, yaw_deg = 0}\n[no_go]\nstairs = {points = [[-1e9, 1.0], [1.0, 1.0]]}\n"
+        "rug = {points = [[0.5, 0.5], [1.5, 0.5]]}\n"
+    )
+    code, out, complaint = giraff("map", "show", str(plan), "--svg", str(svg))
+    assert (code, complaint) == (0, "")
+    lines = out.splitlines()
+    assert lines[-1] == "k kitchen; c Küche; a attic; ▒ no-go: stairs, rug"
+    assert [line.count("k") + line.count("c") for line in lines[1:-1]].count(2) == 1
+    assert sum(line.count("▒") for line in lines[1:-1]) > 20
+    image = svg.read_text()
+    assert [image.count(name) for name in ("kitchen", "Küche", "stroke-dasharray", "rotate(-90.0)")] == [1, 1, 2, 1]
+    ET.fromstring(image)  # noqa: S314
+    told = msgspec.json.decode(giraff("map", "show", str(plan), "--json")[1])
+    assert told["places"][0] == {"name": "kitchen", "x": 0.5, "y": 1.5, "yaw": pytest.approx(math.pi / 2.0)}
+    assert told["no_go"][1] == {"name": "rug", "x": 0.5, "y": 0.5, "end_x": 1.5, "end_y": 0.5}
+    beside.write_text("[places.kitchen]\nx = 1")
+    code, out, complaint = giraff("map", "show", str(plan))
+    assert (code, out) == (2, "")
+    assert str(beside) in complaint
+    beside.write_text("")
+    assert (giraff("map", "show", str(plan), "--svg", str(svg))[1], svg.read_text()) == bare, "as without the file"
+
+
 def test_a_name_steers_neither_terminal_nor_drawing(giraff: Giraff, tmp_path: Path) -> None:
     path = room(tmp_path, polyline((0, 0), (2, 0)), name="<b>\\u001b[2J")
     code, out, _ = giraff("map", "show", str(path), "--svg", str(tmp_path / "out.svg"))
