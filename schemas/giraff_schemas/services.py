@@ -79,7 +79,7 @@ WEB: Final = Service(
     publishes=(t.OPERATOR_CMD_VEL,),
     subscribes=(
         *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.ATTITUDE),
-        *(*_SENSED, t.POSE, t.MAP, t.CAMERA_STATE),
+        *(*_SENSED, t.POSE, t.MAP, t.PLACES, t.CAMERA_STATE),
     ),
     optional=True,
     option="web",

@@ -9,6 +9,7 @@ from typing import Annotated, Final, Literal
 import msgspec
 
 from giraff_schemas.messages import RobotTime
+from giraff_schemas.places import Place
 from giraff_schemas.trouble import Trouble
 
 LARGEST: Final = 8192
@@ -163,6 +164,9 @@ class Plan(_ToPage, frozen=True, kw_only=True, tag="plan"):
     map: str
     walls: Lines
     """m, in `map`."""
+    places: tuple[Place, ...] = ()
+    no_go: Lines = ()
+    """m, in `map`. Lines that no route crosses."""
 
 
 class Direction(msgspec.Struct, frozen=True, kw_only=True):

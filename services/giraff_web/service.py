@@ -1,7 +1,9 @@
 """The pages: what their hands ask to `cmd_vel/<operator>`, and what the robot says to all of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Final
+
+import msgspec
 
 from giraff_core.estop.request import Request
 from giraff_core.io import IO, Inbox
@@ -13,6 +15,7 @@ from giraff_core.timer import Timer
 from giraff_schemas.camera import CameraState
 from giraff_schemas.localization import MapWalls
 from giraff_schemas.messages import EStop
+from giraff_schemas.places import Places
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
     ATTITUDE,
@@ -25,6 +28,7 @@ from giraff_schemas.topics import (
     GUARD,
     MAP,
     ODOM,
+    PLACES,
     POSE,
     Topic,
 )
@@ -32,7 +36,7 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.camera import PageCameras
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
-from giraff_web.messages import Hello, LetGo, Look, PageWish, PictureSeen, Plan, Refused, Reset, Room
+from giraff_web.messages import Hello, LetGo, Lines, Look, PageWish, PictureSeen, Plan, Refused, Reset, Room
 from giraff_web.pages import Closed, Event, Opened, Pages, Said, StopAsked
 from giraff_web.picture import Picture
 from giraff_web.policy import NOBODY, WebPolicy
@@ -72,7 +76,7 @@ class Web(OperatorService):
         self.link = pages
         told: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), CAMERA_STATE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
-        newest: list[Topic[Any]] = [ODOM, ATTITUDE, POSE, MAP]
+        newest: list[Topic[Any]] = [ODOM, ATTITUDE, POSE, MAP, PLACES]
         self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
         self._show_timer = Timer(SHOWN_HZ)
         self.timers = (self.timer, self._show_timer)
@@ -81,8 +85,10 @@ class Web(OperatorService):
         self._lookers = ""
         self._open: set[int] = set()
         """Pages that are open."""
+        self._walls: MapWalls | None = None
+        self._places: Places | None = None
         self._plan: Plan | None = None
-        """Floor plan that was heard last."""
+        """Floor plan that the pages were told last."""
 
     def turn(self, now: float) -> None:
         policy = self._policy
@@ -94,8 +100,8 @@ class Web(OperatorService):
             if isinstance(sample, CameraState):
                 self._looking.on_state(sample, now)
                 continue
-            if isinstance(sample, MapWalls):
-                self._on_walls(sample)
+            if isinstance(sample, MapWalls | Places):
+                self._on_plan(sample)
                 continue
             self._picture.on_sample(sample, now)
             if isinstance(sample, EStop):
@@ -143,11 +149,13 @@ class Web(OperatorService):
                 self._take_said(event, now)
                 self.timer.fire_now("page", now)
 
-    def _on_walls(self, walls: MapWalls) -> None:
-        """Tell all pages a plan that is another than before: it is said every five seconds."""
-        rounded = ([round(value, 3) for value in wall] for wall in walls.walls)
-        plan = Plan(map=walls.map, walls=tuple(((x, y), (end_x, end_y)) for x, y, end_x, end_y in rounded))
-        if plan != self._plan:
+    def _on_plan(self, sample: MapWalls | Places) -> None:
+        """Tell all pages a plan that is another than before: walls and places are said again and again."""
+        if isinstance(sample, Places):
+            self._places = sample
+        else:
+            self._walls = sample
+        if self._walls is not None and (plan := _plan(self._walls, self._places)) != self._plan:
             self._plan = plan
             for page in self._open:
                 self._pages.send(page, plan)
@@ -209,3 +217,17 @@ class Web(OperatorService):
             trail=self._picture.trail,
             room=self._room,
         )
+
+
+def _plan(walls: MapWalls, known: Places | None) -> Plan:
+    """Return the floor plan with its places. Those of another plan do not count."""
+    plan = Plan(map=walls.map, walls=_lines(walls.walls))
+    if known is None or known.map != walls.map or known.reason:
+        return plan
+    no_go = _lines((line.x, line.y, line.end_x, line.end_y) for line in known.no_go)
+    return msgspec.structs.replace(plan, places=known.places, no_go=no_go)
+
+
+def _lines(segments: Iterable[tuple[float, float, float, float]]) -> Lines:
+    rounded = ([round(value, 3) for value in segment] for segment in segments)
+    return tuple(((x, y), (end_x, end_y)) for x, y, end_x, end_y in rounded)

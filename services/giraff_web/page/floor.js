@@ -1,6 +1,6 @@
 // The floor plan: the robot in the middle, its front up; walls, path and what the sensors see around it.
 
-import { clearance, isPlaced } from "./words.js";
+import { clearance, isPlaced, knownPlan } from "./words.js";
 
 /** m from the robot to the nearer edge of the picture. */
 const VIEW = 1.9;
@@ -39,8 +39,9 @@ export function roomPlace({ map, room_fits }, room) {
 }
 
 /** What is drawn around the robot: the floor plan where it is known to be on it, else the room, which may be null. */
-export function surroundings({ map }, room, plan) {
-  return map && isPlaced(map) && plan?.map === map.map && plan.walls.length ? { ...plan, start: [0, 0, 0] } : room;
+export function surroundings(state, room, plan) {
+  const known = knownPlan(state, plan);
+  return known?.walls.length ? { ...known, start: [0, 0, 0] } : room;
 }
 
 /** The path in odom; it begins anew where the pose was set from outside. */
@@ -180,7 +181,35 @@ export class Floor {
         this._line(wall);
         this._stroke(this._colours.ink, 3);
       }
+      for (const line of room.no_go ?? []) {
+        this._line(line);
+        this._stroke(this._colours.bad, 3, [7, 6]);
+      }
+      for (const named of room.places ?? []) this._named(named);
     }
+    pen.restore();
+  }
+
+  /** A dot with a short heading, and its name, upright however the plan is turned. */
+  _named({ name, x, y, yaw }) {
+    const pen = this._pen;
+    const { a, b, c, d, e, f } = pen.getTransform();
+    const far = this._px(16);
+    this._line([[x, y], [x + far * Math.cos(yaw), y + far * Math.sin(yaw)]]);
+    this._stroke(this._colours.accent, 3);
+    pen.beginPath();
+    pen.arc(x, y, this._px(6), 0, 2 * Math.PI);
+    pen.fillStyle = this._colours.accent;
+    pen.fill();
+    pen.save();
+    pen.setTransform(this._ratio, 0, 0, this._ratio, a * x + c * y + e, b * x + d * y + f);
+    pen.font = `${this._text}px system-ui, sans-serif`;
+    pen.textAlign = "center";
+    pen.lineWidth = 4;
+    pen.strokeStyle = this._colours.card;
+    pen.strokeText(name, 0, 2 * this._text);
+    pen.fillStyle = this._colours.ink;
+    pen.fillText(name, 0, 2 * this._text);
     pen.restore();
   }
 

@@ -28,7 +28,7 @@ export class Panel {
   }
 
   /**
-   * @param {object} at as `whyText` takes it, and `arrived`: when the newest state came, s; `hello`
+   * @param {object} at as `whyText` takes it, and `arrived`: when the newest state came, s; `hello`; `plan`
    * @param {number} now s
    */
   draw(at, now) {
@@ -44,7 +44,7 @@ export class Panel {
     byId("age").classList.toggle("bad", age === null || age >= OLD);
     write(byId("driver"), state && linked ? driverText(state, at.me, mayDrive, at.input) : "");
     write(byId("armed"), state && linked ? armedText(state, at.me, at.input) : "");
-    if (state) this._state(state, mayDrive, linked, now);
+    if (state) this._state(at, now);
   }
 
   _why(at, now) {
@@ -59,7 +59,7 @@ export class Panel {
     byId("status").classList.toggle("bad", !at.linked && at.heard);
   }
 
-  _state(state, mayDrive, linked, now) {
+  _state({ state, mayDrive, linked, plan }, now) {
     const shown = facts(state);
     for (const name of ["speed", "turn", "battery", "trip", "path"]) write(byId(name), linked ? shown[name] : "–");
     for (const [way, , unit] of DIRECTIONS) {
@@ -77,6 +77,6 @@ export class Panel {
     if (state.map) write(byId("place"), placeText(state.map));
     if (now - this._floorAt < FLOOR_TEXT) return;
     this._floorAt = now;
-    writeList(byId("floor-text"), linked ? floorLines(state, mayDrive) : ["The link is lost: nothing is known of the robot."]);
+    writeList(byId("floor-text"), linked ? floorLines(state, mayDrive, plan) : ["The link is lost: nothing is known of the robot."]);
   }
 }

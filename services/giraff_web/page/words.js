@@ -186,11 +186,19 @@ export function facts(state) {
 }
 
 /** The floor plan for those who do not see it, a line each. */
-export function floorLines(state, mayDrive) {
+export function floorLines(state, mayDrive, plan = null) {
   const lines = Object.entries(state.evidence).map(([name, view]) => sensorText(name, view, mayDrive));
   if (state.pose) lines.push(`By its wheels: ${poseText(state.pose, sd(state.covariance))}`);
   if (state.map) lines.push(mapText(state.map, mayDrive));
+  const away = ({ x, y }) => Math.hypot(x - state.map.pose[0], y - state.map.pose[1]);
+  const [nearest] = [...(knownPlan(state, plan)?.places ?? [])].sort((one, other) => away(one) - away(other));
+  if (nearest) lines.push(`Nearest place: ${nearest.name}, ${fixed(away(nearest), 1)} m away`);
   return lines;
+}
+
+/** The floor plan, where the robot is known to be on it; else null. */
+export function knownPlan({ map }, plan) {
+  return map && isPlaced(map) && plan?.map === map.map ? plan : null;
 }
 
 /** Whether localization knows the place, by the sensors or because a person gave it. */

@@ -145,6 +145,11 @@ test("the floor plan as lines", () => {
     "By its wheels: x 1.00 m, y 0.00 m, heading 90°, sd 0.05 m",
     "Localized on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°",
   ]);
+  const places = [{ name: "far", x: 0, y: 0 }, { name: "desk", x: 3, y: 5.24 }];
+  const last = (of, plan) => words.floorLines({ evidence, map: of }, true, plan).at(-1);
+  assert.equal(last(map, { map: "flat", places }), "Nearest place: desk, 1.2 m away");
+  for (const plan of [{ map: "flat", places: [] }, { map: "attic", places }]) assert.match(last(map, plan), /^Localized/);
+  assert.match(last({ ...map, state: "lost" }, { map: "flat", places }), /^Lost/);
   assert.equal(words.placeText(map), "Localized: 3.00, 4.00 m, 0°, sd 0.20 m, 2°");
   const lost = { ...map, state: "lost", why: trouble("nothing fits", "drive on") };
   assert.equal(words.mapText(lost, true), "Lost on flat: nothing fits; drive on");
@@ -183,6 +188,20 @@ test("the plan keeps its scale beside a text that comes and goes, and its ellips
   assert.equal(steadyScale(50, 30), 30);
   const [long, short, angle] = ellipse([0.01, 0, 0.04]);
   assert.deepEqual([long.toFixed(2), short.toFixed(2), angle], ["0.49", "0.24", Math.PI / 2]);
+});
+
+test("a place is a dot with its heading, and its name is upright below however the robot is turned", () => {
+  const drawn = [];
+  const none = () => {};
+  const pen = { save: none, restore: none, beginPath: none, arc: (...at) => drawn.push(at.slice(0, 2)), fill: none };
+  pen.moveTo = pen.lineTo = (...at) => drawn.push(at);
+  pen.getTransform = () => ({ a: 0, b: -50, c: -50, d: 0, e: 200, f: 300 });
+  pen.setTransform = (...at) => drawn.push(at);
+  pen.strokeText = pen.fillText = (text) => drawn.push(text);
+  const floor = Object.create(Floor.prototype);
+  Object.assign(floor, { _pen: pen, _colours: {}, _ratio: 2, _scale: 32, _text: 10, _stroke: none });
+  floor._named({ name: "desk", x: 2, y: 1, yaw: 0 });
+  assert.deepEqual(drawn, [[2, 1], [3, 1], [2, 1], [2, 0, 0, 2, 150, 200], "desk", "desk"]);
 });
 
 test("what a sensor tells is drawn where it says, by its state alone", () => {
