@@ -33,6 +33,9 @@ ROOM: Final[Colour] = (150, 105, 130)
 ECHOES: Final[Colour] = (205, 135, 60)
 PARTICLES: Final[Colour] = (90, 130, 190)
 CANDIDATES: Final[Colour] = (255, 140, 60)
+NAMED: Final[Colour] = (80, 220, 190)
+"""Places that have a name."""
+NO_GO: Final = RED
 
 EVIDENCE: Final[dict[EvidenceState, Colour]] = {
     "free": GREEN,

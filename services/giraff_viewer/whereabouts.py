@@ -1,11 +1,15 @@
-"""Where the robot is on the map, as localization has it: walls, particles, how sure it is, and where else it may be."""
+"""Where the robot is on the map, as localization has it: walls, particles, how sure it is, and where else it may be.
+
+The map's places by name and its no-go lines are drawn with it.
+"""
 
 from typing import Any, Final
 
 import rerun as rr
 
 from giraff_schemas.localization import Candidate, MapPose, MapWalls, Particles
-from giraff_viewer.colours import CANDIDATES, PARTICLES, PLACES, WALLS
+from giraff_schemas.places import NoGoLine, Place, Places
+from giraff_viewer.colours import CANDIDATES, NAMED, NO_GO, PARTICLES, PLACES, WALLS
 from giraff_viewer.rows import FLOOR, Row, planar
 from giraff_viewer.shapes import Strip, ellipse, headings, placed
 
@@ -13,8 +17,15 @@ _WALLS: Final = f"{FLOOR}/walls"
 _PARTICLES: Final = f"{FLOOR}/particles"
 _PLACE: Final = f"{FLOOR}/place"
 _CANDIDATES: Final = f"{FLOOR}/candidates"
+_NAMED: Final = f"{FLOOR}/named_places"
+_NO_GO: Final = f"{FLOOR}/no_go"
+_ARROW: Final[Strip] = [(-0.1, 0.06), (0.15, 0.0), (-0.1, -0.06), (-0.1, 0.06)]
+"""m. A place by name, which points to where the robot faces there."""
 _BELOW: Final = 5.0
 """In rerun's order of drawing, in which lines have 20."""
+
+_Drawn = tuple[tuple[Place, ...], tuple[NoGoLine, ...]]
+"""Places and no-go lines."""
 
 
 class Whereabouts:
@@ -24,15 +35,19 @@ class Whereabouts:
         """`outline`: of the robot, in `base_link`; `heading`: m that it is drawn ahead."""
         self._outline, self._heading = outline, heading
         self._walls: tuple[tuple[float, float, float, float], ...] = ()
+        self._map = ""
+        self._places: Places | None = None
+        self._drawn: _Drawn = (), ()
         self._candidates: tuple[Candidate, ...] = ()
         self.known = False
         """A place was heard, so that `odom` is put there."""
 
     def begin(self) -> list[Row]:
         """In which frame it is."""
-        return [(path, rr.CoordinateFrame("map")) for path in (_WALLS, _PARTICLES, _PLACE, _CANDIDATES)]
+        paths = (_WALLS, _PARTICLES, _PLACE, _CANDIDATES, _NAMED, _NO_GO)
+        return [(path, rr.CoordinateFrame("map")) for path in paths]
 
-    def on_sample(self, sample: MapPose | Particles | MapWalls) -> list[Row]:
+    def on_sample(self, sample: MapPose | Particles | MapWalls | Places) -> list[Row]:
         """What a sample changes."""
         match sample:
             case MapPose():
@@ -41,7 +56,11 @@ class Whereabouts:
                 points = list(zip(sample.x, sample.y, strict=True))
                 return [(_PARTICLES, rr.Points2D(points, colors=[PARTICLES], radii=[0.012], draw_order=_BELOW))]
             case MapWalls():
-                return self._build(sample)
+                self._map = sample.map
+                return self._build(sample) + self._draw_places()
+            case Places():
+                self._places = sample
+                return self._draw_places()
 
     def _build(self, walls: MapWalls) -> list[Row]:
         """The floor plan; it is told again and again."""
@@ -50,6 +69,23 @@ class Whereabouts:
         self._walls = walls.walls
         strips = [[(x, y), (to_x, to_y)] for x, y, to_x, to_y in walls.walls]
         return [(_WALLS, rr.LineStrips2D(strips, colors=[WALLS], radii=[0.02], draw_order=_BELOW))]
+
+    def _draw_places(self) -> list[Row]:
+        """Draw places and no-go lines when they change. Those of another plan do not count."""
+        known = self._places
+        wanted: _Drawn = (), ()
+        if known is not None and known.map == self._map and not known.reason:
+            wanted = known.places, known.no_go
+        if wanted == self._drawn:
+            return []
+        places, lines = self._drawn = wanted
+        arrows = [placed(_ARROW, each.x, each.y, each.yaw) for each in places]
+        names = [each.name for each in places]
+        ends = [[(each.x, each.y), (each.end_x, each.end_y)] for each in lines]
+        return [
+            (_NAMED, rr.LineStrips2D(arrows, colors=[NAMED], radii=[0.015], labels=names)),
+            (_NO_GO, rr.LineStrips2D(ends, colors=[NO_GO], radii=[0.02])),
+        ]
 
     def _locate(self, pose: MapPose) -> list[Row]:
         """The best place, and the others."""

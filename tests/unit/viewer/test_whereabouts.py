@@ -10,6 +10,8 @@ import pytest
 from giraff_core.kinematics.pose import ELLIPSE_95, Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import Candidate, LocalizationState, MapPose, MapWalls, Particles
+from giraff_schemas.places import NoGoLine, Place, Places
+from giraff_schemas.trouble import Trouble
 from giraff_viewer.colours import PLACES
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
@@ -104,6 +106,24 @@ def test_walls_are_drawn_once_and_particles_as_they_come() -> None:
     some = Particles(x=(1.0, 2.0), y=(0.5, 0.6), yaw=(0.0, 0.0))
     points: Any = dict(scene.on_sample(topics.PARTICLES, some, SECOND))["floor/particles"]
     assert points.positions.as_arrow_array().to_pylist() == [[1.0, 0.5], [2.0, pytest.approx(0.6)]]
+
+
+def test_places_and_no_go_lines_are_drawn_when_they_change_on_their_own_map() -> None:
+    scene = Scene(stock("sim"))
+    desk = Place(name="desk", x=1.0, y=2.0, yaw=math.pi / 2.0)
+    stairs = NoGoLine(name="stairs", x=0.0, y=1.0, end_x=2.0, end_y=1.0)
+    known = Places(map="flat", places=(desk,), no_go=(stairs,))
+    assert scene.on_sample(topics.PLACES, known, SECOND) == [], "no map was heard"
+    drawn = dict(scene.on_sample(topics.MAP, WALLS, SECOND))
+    [arrow], [line] = strips_of(drawn["floor/named_places"]), strips_of(drawn["floor/no_go"])
+    assert arrow[1].tolist() == pytest.approx([1.0, 2.15])
+    assert line.tolist() == [[0.0, 1.0], [2.0, 1.0]]
+    assert drawn["floor/named_places"].labels.as_arrow_array().to_pylist() == ["desk"]
+    assert scene.on_sample(topics.PLACES, known, 2 * SECOND) == []
+    idle = msgspec.structs.replace(known, reason=Trouble("localization goes by another plan"))
+    gone = dict(scene.on_sample(topics.PLACES, idle, 3 * SECOND))
+    assert [strips_of(gone[path]) for path in ("floor/named_places", "floor/no_go")] == [[], []]
+    assert {"floor/named_places", "floor/no_go"} <= paths(scene.begin()), "which are in the frame of the map"
 
 
 def test_the_page_and_the_log_say_whether_it_is_known() -> None:
