@@ -1,1 +1,1 @@
-"""Places by name and no-go lines on the floor plan: kept in a file beside the plan, and told to the network."""
+"""Places by name and no-go lines on the floor plan, kept in a file beside it, and the routes between them."""

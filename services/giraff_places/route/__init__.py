@@ -1,0 +1,1 @@
+"""A way over the floor plan, as straight legs. Pure."""
