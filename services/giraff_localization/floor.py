@@ -8,13 +8,11 @@ from giraff_core.senses import LaserScanner
 from giraff_localization.beams.ultrasonic import Sonars
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.free_space import FreeSpace
-from giraff_maps.floor_plan import FloorPlan, MapError
+from giraff_maps.floor_plan import FloorPlan, MapError, require_area
 from giraff_maps.scan.plan_walls import PlanWalls
 
 _BODY: Final = 0.7
 """Of the footprint's radius: a map is not exact, and a robot that touches furniture is somewhere all the same."""
-_LARGEST: Final = 2000.0
-"""m² of the rectangle about the plan: the table has 29 kB for each m²."""
 _SMALLEST: Final = 0.5
 """m² where the robot's middle can be."""
 
@@ -26,13 +24,9 @@ class Floor:
         footprint_radius = robot.footprint_radius
         self.plan = plan
         self.is_built = False
+        require_area(plan)
         bounds = plan.bounds
         width, depth = bounds.right - bounds.left, bounds.top - bounds.bottom
-        if width * depth > _LARGEST:
-            raise MapError(
-                f"the map {plan.name!r} is {width:.0f} m by {depth:.0f} m, more than {_LARGEST:.0f} m²: is it in "
-                "metres? Give it the part where the robot drives"
-            )
         self.space = FreeSpace(plan, _BODY * footprint_radius)
         if self.space.area < _SMALLEST:
             raise MapError(

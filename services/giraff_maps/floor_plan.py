@@ -15,6 +15,8 @@ LARGEST: Final = 200.0
 """m; of either side."""
 FARTHEST: Final = 10_000.0
 """m of any wall from (0, 0): farther off, millimetres are lost in single precision."""
+_MOST_AREA: Final = 2000.0
+"""m² of the rectangle about a plan that is computed with: localization's table has 29 kB for each m²."""
 MOST_WALLS: Final = 20_000
 _MILLIMETRES: Final = 2_000.0  # m; a plan that seems so large has millimetres for metres, not centimetres
 
@@ -89,6 +91,16 @@ def usable(plan: FloorPlan, path: Path) -> FloorPlan:
     if max(width, height) < SMALLEST:
         raise MapError(f"{path}: {width:g} x {height:g} m is too small: {_too_small(path)}")
     return plan
+
+
+def require_area(plan: FloorPlan) -> None:
+    """Raise MapError where a plan is too large to compute with."""
+    left, bottom, right, top = plan.bounds
+    if (right - left) * (top - bottom) > _MOST_AREA:
+        raise MapError(
+            f"the map {plan.name!r} is {right - left:.0f} m by {top - bottom:.0f} m, more than {_MOST_AREA:.0f} m²: is "
+            "it in metres? Give it the part where the robot drives"
+        )
 
 
 def _too_large(path: Path, side: float) -> str:

@@ -8,10 +8,10 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from giraff_core.kinematics.pose import Pose
-from giraff_maps.floor_plan import FloorPlan, Wall
+from giraff_maps.floor_plan import FloorPlan, Wall, require_area
 from giraff_places.route.floor import CELL, SPOT, Floats, Floor
 from giraff_places.route.legs import straighten
-from giraff_places.route.search import Costs, costs_to, descend, widest_to
+from giraff_places.route.search import Costs, cheapest, narrowest
 from giraff_schemas.places import NoGoLine
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
@@ -21,8 +21,10 @@ narrower than the robot needs; `forbidden`: each way crosses a no-go line."""
 
 _COMFORT: Final = 0.35
 """m beyond what the robot needs, within which a way costs more: it goes through the middle of doors."""
-_PULL: Final = 2.0
+_PULL: Final = 1.0
 """Times that a metre costs more where the robot has just the room it needs."""
+_TIGHT: Final = 8.0
+"""Times that a metre costs more where a leg has less than that: it is `_ALONG` off the middle of a door."""
 _ROUNDING: Final = 0.75 * SPOT
 """m by which the best spot of a cell may miss the best place in it."""
 _ALONG: Final = 0.04
@@ -71,7 +73,11 @@ class RoutePlanner:
     """Of one floor plan and one robot."""
 
     def __init__(self, plan: FloorPlan, footprint_radius: float, passage_radius: float) -> None:
-        """`passage_radius`: m; half of the narrowest gap that the guard lets the robot through."""
+        """`passage_radius`: m; half of the narrowest gap that the guard lets the robot through.
+
+        Raises MapError for a plan that is too large.
+        """
+        require_area(plan)
         self._plan = plan
         self._footprint = footprint_radius
         self._needs = passage_radius
@@ -116,10 +122,9 @@ class RoutePlanner:
         required = self._required(floor, (start, goal), columns[:, None], rows[None, :], _ROUNDING)
         weights = self._weights(floor.clearance, required)
         first, last = floor.cell(start.x, start.y), floor.cell(goal.x, goal.y)
-        costs = costs_to(last, weights)
-        if not math.isfinite(costs[first]):
+        if (cells := cheapest(first, last, weights)) is None:
             return None
-        points = floor.best_spots(np.array(descend(first, costs, weights)))
+        points = floor.best_spots(np.array(cells))
         first_and_last = np.array([start[:2], goal[:2]], np.float32)
         points = np.concatenate([first_and_last[:1], points[1:-1], first_and_last[1:]])
 
@@ -142,7 +147,8 @@ class RoutePlanner:
     def _weights(self, clearance: Floats, required: Costs) -> Costs:
         """Return the cost of a metre where the clearance is so large."""
         lacks = np.clip((self._needs + _COMFORT - clearance) / _COMFORT, 0.0, 1.0)
-        return np.where(clearance >= required, 1.0 + _PULL * lacks * lacks, np.inf)
+        tight = np.clip((self._needs - clearance) / _ALONG, 0.0, 1.0)
+        return np.where(clearance >= required, 1.0 + _PULL * lacks * lacks + _TIGHT * tight, np.inf)
 
     def _narrowest(self, floor: Floor, start: Pose, goal: Pose) -> NoRoute:
         """Tell the narrowest gap of the widest way."""
@@ -151,13 +157,9 @@ class RoutePlanner:
         required = self._required(floor, (start, goal), columns[:, None], rows[None, :], _ROUNDING)
         spare = np.where(clearance >= _LEAST, clearance - required, -np.inf)
         first, last = floor.cell(start.x, start.y), floor.cell(goal.x, goal.y)
-        least = widest_to(last, spare)[first]
-        if not math.isfinite(least):
+        if (gap := narrowest(first, last, spare)) is None:
             trouble = Trouble("there are walls all round", "see the plan, and where the robot is on it")
             return NoRoute("no_way", trouble, goal.x, goal.y)
-        weights = np.where(spare >= least, 1.0, np.inf)
-        way = descend(first, costs_to(last, weights), weights)
-        gap = min(way, key=lambda cell: spare[cell])
         ((x, y),) = floor.best_spots(np.array([gap]))
         trouble = Trouble(
             f"the widest way has a gap of {2.0 * clearance[gap]:.2f} m at ({x:.1f}, {y:.1f}), and the robot needs "

@@ -1,5 +1,8 @@
-"""The cheapest way over cells, by numpy: all costs to the goal at once, lowered until none changes."""
+"""Ways over cells: the cheapest one, and the narrowest cell of the widest one. Plain heaps: numpy is slower here."""
 
+import heapq
+import math
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -9,72 +12,65 @@ Costs = npt.NDArray[np.float64]
 Cell = tuple[int, int]
 
 _DIAGONAL: Final = 2.0**0.5
-_BETWEEN_LOOKS: Final = 16
-"""Sweeps between two looks whether any cost still changes."""
-_AROUND: Final = tuple((column, row) for column in (-1, 0, 1) for row in (-1, 0, 1) if column or row)
+_AROUND: Final = tuple((i, j, math.hypot(i, j)) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 
 
-def costs_to(goal: Cell, weights: Costs) -> Costs:
-    """Return the cost of the cheapest way from each cell to the goal, in sides of a cell.
+def cheapest(start: Cell, goal: Cell, weights: Costs) -> list[Cell] | None:
+    """Return the cells of the cheapest way, both ends with it; None: there is none.
 
-    `weights`: cost of a side's length in each cell; inf: no way goes there. A step costs the mean of both its cells.
+    `weights`: cost of a side's length in each cell, 1 at least; inf: no way goes there. A step costs the mean of both
+    its cells. A* (Hart, Nilsson, Raphael 1968), by the length that is left on a floor without walls.
     """
-    rim = ((1, 1), (1, 1))
-    half = np.pad(weights, rim, constant_values=np.inf) / 2.0
-    far = half * _DIAGONAL
-    costs = np.full(half.shape, np.inf)
-    costs[goal[0] + 1, goal[1] + 1] = 0.0
-    inner = costs[1:-1, 1:-1]
-    while True:
-        before = inner.copy()
-        for _ in range(_BETWEEN_LOOKS):
-            straight, diagonal = costs + half, costs + far
-            beside = np.minimum(straight[:-2], straight[2:])[:, 1:-1]
-            above = np.minimum(straight[:, :-2], straight[:, 2:])[1:-1]
-            corners = np.minimum(diagonal[:-2], diagonal[2:])
-            corners = np.minimum(corners[:, :-2], corners[:, 2:])
-            np.minimum(beside, above, out=beside)
-            np.minimum(inner, beside + half[1:-1, 1:-1], out=inner)
-            np.minimum(inner, corners + far[1:-1, 1:-1], out=inner)
-        if np.array_equal(before, inner):
-            return inner
+    cost_of = weights.tolist()
+    costs, before, done = {start: 0.0}, {start: start}, set[Cell]()
+    heap = [(0.0, start)]
+    while heap:
+        _, here = heapq.heappop(heap)
+        if here == goal:
+            way = [goal]
+            while way[-1] != start:
+                way.append(before[way[-1]])
+            return way[::-1]
+        if here in done:
+            continue
+        done.add(here)
+        cost, weight = costs[here], cost_of[here[0]][here[1]] / 2.0
+        for cell, length in _beside(here, weights.shape):
+            there = cost + (weight + cost_of[cell[0]][cell[1]] / 2.0) * length
+            if there < costs.get(cell, math.inf):
+                costs[cell], before[cell] = there, here
+                heapq.heappush(heap, (there + _left(cell, goal), cell))
+    return None
 
 
-def widest_to(goal: Cell, room: Costs) -> Costs:
-    """Return, for each cell, the room in the narrowest cell of the widest way to the goal. -inf: there is no way."""
-    columns, rows = room.shape
-    widest = np.full((columns + 2, rows + 2), -np.inf)
-    widest[goal[0] + 1, goal[1] + 1] = room[goal]
-    inner = widest[1:-1, 1:-1]
-    while True:
-        before = inner.copy()
-        for _ in range(_BETWEEN_LOOKS):
-            tall = np.maximum(np.maximum(widest[:-2], widest[1:-1]), widest[2:])
-            around = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
-            np.maximum(inner, np.minimum(around, room), out=inner)
-        if np.array_equal(before, inner):
-            return inner
+def narrowest(start: Cell, goal: Cell, room: Costs) -> Cell | None:
+    """Return the cell with the least room on the widest way; None: there is none. `room`: -inf where no way goes."""
+    rooms = room.tolist()
+    seen, gap = {start}, start
+    heap = [(-rooms[start[0]][start[1]], start)]
+    while heap:
+        # The cells come in the order of a flood that always takes the widest next. The least of them is a gap that no
+        # way to the goal avoids.
+        _, here = heapq.heappop(heap)
+        if rooms[here[0]][here[1]] < rooms[gap[0]][gap[1]]:
+            gap = here
+        if here == goal:
+            return gap
+        for cell, _ in _beside(here, room.shape):
+            if cell not in seen and rooms[cell[0]][cell[1]] > -math.inf:
+                seen.add(cell)
+                heapq.heappush(heap, (-rooms[cell[0]][cell[1]], cell))
+    return None
 
 
-def descend(start: Cell, costs: Costs, weights: Costs) -> list[Cell]:
-    """Return the cells of the cheapest way from `start` to where the cost is 0. The cost at the start is finite."""
-    columns, rows = costs.shape
-    way = [start]
-    while costs[way[-1]] > 0.0:
-        column, row = way[-1]
-        beside = [
-            (column + right, row + up)
-            for right, up in _AROUND
-            if 0 <= column + right < columns and 0 <= row + up < rows
-        ]
-        here = weights[column, row]
-        way.append(
-            min(
-                beside,
-                key=lambda cell: (
-                    costs[cell]
-                    + (here + weights[cell]) / 2.0 * (_DIAGONAL if cell[0] != column and cell[1] != row else 1.0)
-                ),
-            )
-        )
-    return way
+def _beside(cell: Cell, shape: tuple[int, ...]) -> Iterator[tuple[Cell, float]]:
+    """Yield the cells around one, and how far away they are, in sides of a cell."""
+    column, row = cell
+    for right, up, length in _AROUND:
+        if 0 <= column + right < shape[0] and 0 <= row + up < shape[1]:
+            yield (column + right, row + up), length
+
+
+def _left(cell: Cell, goal: Cell) -> float:
+    across, up = abs(cell[0] - goal[0]), abs(cell[1] - goal[1])
+    return max(across, up) + (_DIAGONAL - 1.0) * min(across, up)

@@ -49,7 +49,7 @@ def _divide(random: Random, occupied: list[list[bool]], left: int, bottom: int, 
     low, high = (bottom, top) if along_x else (left, right)
     at = random.randint(low + _LEAST_ROOM, high - _LEAST_ROOM)
     begin, end = (left, right) if along_x else (bottom, top)
-    doors = [(random.randrange(begin, end - 8), random.randint(3, 9)) for _ in range(random.randint(1, 3))]
+    doors = [(random.randrange(begin, end - 8), random.randint(4, 9)) for _ in range(random.randint(1, 3))]
     for each in range(begin, end):
         is_open = any(first <= each < first + wide for first, wide in doors)
         column, row = (each, at) if along_x else (at, each)
