@@ -106,6 +106,11 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         return DifferentialDrive(self.track_width * self.calibration.track_scale, self.max_wheel_speed)
 
     @property
+    def passage_radius(self) -> float:
+        """m; half of the narrowest gap."""
+        return self.footprint_radius + 0.15
+
+    @property
     def left_ticks_per_metre(self) -> float:
         """Counts per metre that the left wheel truly rolls."""
         return self.ticks_per_metre / self.calibration.left_wheel_scale

@@ -2,21 +2,22 @@
 
 import sys
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from giraff_maps.floor_plan import MapError, at_home
+from giraff_maps.floor_plan import MapError, at_home, require_area
 from giraff_maps.places_file import PlacesStore
 from giraff_node import Node
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_node.process.libraries import missing_library
 from giraff_node.process.state import write_file_durably
 from giraff_places.config import PlacesConfig
-from giraff_places.policy import PlanFile
-from giraff_places.service import Places
 from giraff_schemas.services import LOCALIZATION, PLACES
 from giraff_schemas.trouble import Trouble
+
+if TYPE_CHECKING:
+    from giraff_places.policy import PlanFile
 
 _REFUSED: Final = 2
 _NO_MAP: Final = Trouble(
@@ -34,20 +35,25 @@ def main() -> None:
     if why := missing_library(PLACES):
         print(f"giraff_places: {why}", file=sys.stderr)
         sys.exit(_REFUSED)
+    from giraff_places.service import Places  # noqa: PLC0415  its library may be missing
+
     with Node("places", PlacesConfig) as node:
         source = plan_of_localization()
         store = None if isinstance(source, Trouble) else PlacesStore(Path(source.path), write_file_durably)
         node.run(Places(node, node.config, node.robot, source, store))
 
 
-def plan_of_localization() -> PlanFile | Trouble:
+def plan_of_localization() -> "PlanFile | Trouble":
     """Return the floor plan that the robot file names, or why there is none."""
     from giraff_maps.read import read_map  # noqa: PLC0415  its library may be missing
+    from giraff_places.policy import PlanFile  # noqa: PLC0415  as above
 
     try:
         if not (name := load(LOCALIZATION.table, PlanTable).map):
             return _NO_MAP
         path = at_home(Path(name))
-        return PlanFile(read_map(path), str(path))
+        plan = read_map(path)
+        require_area(plan)
+        return PlanFile(plan, str(path))
     except (ConfigError, MapError) as error:
         return Trouble(str(error))

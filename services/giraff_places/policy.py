@@ -4,8 +4,10 @@ import math
 import shlex
 from typing import Final, NamedTuple
 
+from giraff_core.robot import RobotConfig
 from giraff_maps.floor_plan import FloorPlan
 from giraff_maps.places_file import KnownPlaces
+from giraff_places.route.planner import RoutePlanner
 from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
 from giraff_schemas.places import (
     LONGEST_NAME,
@@ -55,9 +57,12 @@ class Changed(NamedTuple):
 class PlacesPolicy:
     """Knows the places of one floor plan. Times are s of any one monotonic clock."""
 
-    def __init__(self, source: PlanFile | Trouble) -> None:
-        """`source`: the plan, or why there is none."""
+    def __init__(self, source: PlanFile | Trouble, robot: RobotConfig) -> None:
+        """`source`: the plan, or why there is none. Raises MapError for a plan that is too large."""
         self._source = source
+        self._planner = None
+        if isinstance(source, PlanFile):
+            self._planner = RoutePlanner(source.plan, robot.footprint_radius, robot.passage_radius)
         self.known = KnownPlaces()
         self.file_fault = NO_TROUBLE
         """Cause, where the file of the places cannot be read now."""
@@ -191,8 +196,8 @@ class PlacesPolicy:
         return PlanarPose(x=pose.x, y=pose.y, yaw=pose.yaw)
 
     def _standing_fault(self, x: float, y: float) -> Trouble:
-        """Return why the robot cannot stand there."""
-        return NO_TROUBLE if self._walls is None or self._walls.free is None else self._walls.free.fault(x, y)
+        """Return why the robot cannot stand and turn there."""
+        return NO_TROUBLE if self._planner is None else self._planner.place_fault(x, y)
 
 
 def _mm(metres: float) -> float:

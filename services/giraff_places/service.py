@@ -31,10 +31,10 @@ class Places:
         source: PlanFile | Trouble,
         store: PlacesStore | None,
     ) -> None:
-        """`source`: as of its policy. `store`: the file of the places. None: there is no plan."""
-        del config, robot
+        """`source`: as of its policy. `store`: the file of the places. None: there is no plan. Raises MapError."""
+        del config
         self._io, self._store = io, store
-        self._policy = PlacesPolicy(source)
+        self._policy = PlacesPolicy(source, robot)
         # Each pose wakes it: how fresh one is, it knows by when it came.
         self._poses, self._maps = io.inbox(POSE, limit=10), io.inbox(MAP, limit=1, wakes=False)
         self._requests = io.requests(PLACES_SET)

@@ -140,6 +140,7 @@ OF_ONE_SERVICE = {
         "backports",  # where rosbags has brought them, aiohttp takes them
     },
     "giraff_localization": {"numpy"},
+    "giraff_places": {"numpy"},
     "giraff_camera": {"numpy", "cv2"},
     "giraff_vision": {"numpy", "cv2"},
     "giraff_ros2": {"numpy", "rosbags", "xxhash"},

@@ -70,7 +70,7 @@ class NoRoute(NamedTuple):
 
 
 class RoutePlanner:
-    """Of one floor plan and one robot."""
+    """Plans the routes of one robot on one floor plan."""
 
     def __init__(self, plan: FloorPlan, footprint_radius: float, passage_radius: float) -> None:
         """`passage_radius`: m; half of the narrowest gap that the guard lets the robot through.
@@ -93,7 +93,7 @@ class RoutePlanner:
             extent = f"from ({left:.1f}, {bottom:.1f}) to ({right:.1f}, {top:.1f}) m"
             return Trouble(f"({x:g}, {y:g}) is off the map, which goes {extent}", "give a place on the plan")
         return Trouble(
-            f"({x:g}, {y:g}) is {room:.2f} m from a wall, and the robot needs {needs:.2f} m to turn there",
+            f"({x:g}, {y:g}) is about {room:.2f} m from a wall, and the robot needs {needs:.2f} m to turn there",
             "give a place with more room",
         )
 

@@ -13,7 +13,7 @@ from giraff_places.config import PlacesConfig
 from giraff_places.policy import PlacesPolicy, PlanFile
 from giraff_places.service import Places
 from giraff_schemas.codec import stamped
-from giraff_schemas.localization import FreeCells, LocalizationState, MapPose, MapWalls
+from giraff_schemas.localization import LocalizationState, MapPose, MapWalls
 from giraff_schemas.places import PlaceChange, PlacesAnswer, PlacesSet
 from giraff_schemas.topics import MAP, PLACES_SET, POSE
 from giraff_schemas.trouble import Trouble
@@ -25,8 +25,6 @@ ROOM: Final = FloorPlan(
 )
 HERE: Final = Pose(1.0004, 2.0, 1.5708)
 NOW: Final = 100.0
-_FREE: Final = FreeCells(left=0.0, bottom=0.0, side=2.0, columns=2, rows=2, bits=b"\xe0")
-"""All but the cell from (2, 2) to (4, 4)."""
 
 
 def pose_of(instance: str = "a", state: LocalizationState = "localized") -> MapPose:
@@ -36,12 +34,12 @@ def pose_of(instance: str = "a", state: LocalizationState = "localized") -> MapP
 
 def walls_of(plan: FloorPlan = ROOM, instance: str = "a") -> MapWalls:
     """What it says of its plan."""
-    return stamped(MapWalls(map=plan.name, walls=plan.walls, free=_FREE), 0, 0, instance)
+    return stamped(MapWalls(map=plan.name, walls=plan.walls), 0, 0, instance)
 
 
 def policy_of() -> PlacesPolicy:
     """Return one that hears localization."""
-    policy = PlacesPolicy(PlanFile(ROOM, "home.toml"))
+    policy = PlacesPolicy(PlanFile(ROOM, "home.toml"), ROBOT)
     policy.on_map(walls_of())
     policy.on_pose(pose_of(), NOW)
     return policy

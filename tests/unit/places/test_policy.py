@@ -10,6 +10,7 @@ from giraff_places.policy import Changed, PlacesPolicy, PlanFile
 from giraff_schemas.localization import PlanarPose
 from giraff_schemas.places import MOST, NoGoLine, Place, PlaceAdd, PlaceChange, PlaceForbid, PlaceRemove
 from giraff_schemas.trouble import Trouble
+from tests.support.robots import ROBOT
 from tests.unit.places.homes import NOW, ROOM, policy_of, pose_of, walls_of
 
 KITCHEN = Place(name="kitchen", x=1.0, y=1.0, yaw=0.0)
@@ -28,9 +29,9 @@ def test_a_place_is_where_the_robot_is_or_where_it_was_said_to_be() -> None:
     here = made(policy, PlaceAdd(name="bath"))
     assert here == ("bath", KnownPlaces((Place(name="bath", x=1.0, y=2.0, yaw=math.radians(90.0)),)))
     policy.known = here.known
-    far = PlanarPose(x=-0.0001, y=3.0, yaw=-7.0 * math.pi / 2.0)
+    far = PlanarPose(x=0.9999, y=3.00004, yaw=-7.0 * math.pi / 2.0)
     assert made(policy, PlaceAdd(name="attic", pose=far)).known.places[1] == Place(
-        name="attic", x=0.0, y=3.0, yaw=math.radians(90.0)
+        name="attic", x=1.0, y=3.0, yaw=math.radians(90.0)
     )
 
 
@@ -73,7 +74,12 @@ def well(policy: PlacesPolicy) -> None:
         ),
         (well, PlaceAdd(name="line-1"), 0.0, "line-1 is a no-go line already; run `giraff place remove line-1`"),
         (well, PlaceAdd(name="2nd"), 0.0, "'2nd' is no name: begin with a letter"),
-        (well, PlaceAdd(name="bath", pose=PlanarPose(x=3.0, y=3.0, yaw=0.0)), 0.0, "(3, 3) is in a wall, too near one"),
+        (
+            well,
+            PlaceAdd(name="bath", pose=PlanarPose(x=3.9, y=3.0, yaw=0.0)),
+            0.0,
+            "(3.9, 3) is about 0.09 m from a wall, and the robot needs 0.35 m",
+        ),
         (well, PlaceAdd(name="bath"), 1.1, "no pose on the map is heard"),
         (lambda it: it.on_pose(pose_of(state="lost"), NOW), PlaceAdd(name="bath"), 0.0, "it is lost; drive it 2 m"),
         (lambda it: it.on_pose(pose_of("b"), NOW), BATH, 0.0, "two processes say where the robot is on the map"),
@@ -110,9 +116,9 @@ def test_a_change_is_refused(
 
 
 def test_places_say_why_they_do_not_count() -> None:
-    unheard = PlacesPolicy(PlanFile(ROOM, "home.toml"))
+    unheard = PlacesPolicy(PlanFile(ROOM, "home.toml"), ROBOT)
     told = unheard.places(NOW)
     assert (told.map, told.reason.what) == ("home", "localization is not heard")
-    none = PlacesPolicy(Trouble("no map is given"))
+    none = PlacesPolicy(Trouble("no map is given"), ROBOT)
     assert (none.places(NOW).map, str(none.places(NOW).reason)) == ("", "no map is given")
     assert not policy_of().places(NOW).reason
