@@ -14,6 +14,8 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LONGEST_NAME = 40
 """Characters of a place's name."""
+FARTHEST = 10_000.0
+"""m from (0, 0), where no plan has anything."""
 MOST = 200
 """Places, and lines, of one plan."""
 
@@ -35,6 +37,7 @@ class Place(PlanarPose, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         require_place_name(self.name)
         require_finite(self, self.x, self.y, self.yaw)
+        _require_near(self.x, self.y)
 
 
 class NoGoLine(msgspec.Struct, frozen=True, kw_only=True):
@@ -114,5 +117,11 @@ class PlacesAnswer(msgspec.Struct, frozen=True, kw_only=True):
 def require_line(line: NoGoLine | PlaceForbid) -> None:
     """Raise ValueError for a line with an end that is no number, or whose ends are one point."""
     require_finite(line, line.x, line.y, line.end_x, line.end_y)
+    _require_near(line.x, line.y, line.end_x, line.end_y)
     if math.dist((line.x, line.y), (line.end_x, line.end_y)) < 0.01:
         raise ValueError("both ends of the line are one point: give two that are 0.01 m apart or more")
+
+
+def _require_near(*metres: float) -> None:
+    if max(map(abs, metres)) > FARTHEST:
+        raise ValueError(f"a coordinate is beyond {FARTHEST:g} m from (0, 0): is it in metres?")

@@ -17,17 +17,18 @@ import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeVar
 
 import msgspec
 
 from giraff_maps.floor_plan import MapError, read_text
 from giraff_maps.room_file import Point
 from giraff_schemas.places import MOST, NoGoLine, Place
-from giraff_schemas.text import plain
+from giraff_schemas.text import plain, printable
 
 _ENDING: Final = ".places.toml"
 _HEAD: Final = "# Places and no-go lines of the floor plan {}. `giraff place` writes them, and people may, too.\n"
+MadeT = TypeVar("MadeT")
 _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 """A key of TOML that needs no quotes."""
 
@@ -51,10 +52,10 @@ class LineTable(_Strict, frozen=True, kw_only=True):
 
 
 class PlacesFile(_Strict, frozen=True, kw_only=True):
-    """Content of the file."""
+    """Content of the file: a `PlaceTable` and a `LineTable` by each name."""
 
-    places: dict[str, PlaceTable] = {}
-    no_go: dict[str, LineTable] = {}
+    places: dict[str, Any] = {}
+    no_go: dict[str, Any] = {}
 
 
 class KnownPlaces(NamedTuple):
@@ -100,7 +101,7 @@ def read_places(path: Path) -> KnownPlaces:
 def _text(path: Path) -> str | None:
     """Return the text of a file. None: it is not there. Raises MapError."""
     try:
-        return read_text(path) if path.exists() else None
+        return read_text(path) if path.exists() or path.is_symlink() else None
     except (OSError, ValueError) as error:  # nobody may look into the folder, or it is no text
         raise MapError(f"{path}: {plain(error)}") from error
 
@@ -124,13 +125,10 @@ def _known(text: str, path: Path) -> KnownPlaces:
     """Return what a file with this text has. Raises MapError."""
     try:
         content = msgspec.convert(tomllib.loads(text), PlacesFile)
-        places = tuple(_place(name, table) for name, table in content.places.items())
-        no_go = tuple(
-            NoGoLine(name=name, x=x, y=y, end_x=end_x, end_y=end_y)
-            for name, ((x, y), (end_x, end_y)) in ((name, table.points) for name, table in content.no_go.items())
-        )
     except (ValueError, RecursionError) as error:
         raise MapError(f"{path}: {plain(error)}") from error
+    places = tuple(_made(path, "places", name, table, _place) for name, table in content.places.items())
+    no_go = tuple(_made(path, "no_go", name, table, _line) for name, table in content.no_go.items())
     if both := content.places.keys() & content.no_go.keys():
         raise MapError(f"{path}: {min(both)!r} is a place and a line: give one of them another name")
     if max(len(places), len(no_go)) > MOST:
@@ -138,9 +136,22 @@ def _known(text: str, path: Path) -> KnownPlaces:
     return KnownPlaces(places, no_go)
 
 
-def _place(name: str, table: PlaceTable) -> Place:
-    yaw = math.remainder(math.radians(table.yaw_deg), math.tau) if math.isfinite(table.yaw_deg) else math.nan
-    return Place(name=name, x=table.x, y=table.y, yaw=yaw)
+def _made(path: Path, kind: str, name: str, table: object, make: Callable[[str, object], MadeT]) -> MadeT:
+    try:
+        return make(name, table)
+    except ValueError as error:
+        raise MapError(f"{path}: [{kind}.{printable(name)}]: {plain(error)}; mend it, or remove it") from error
+
+
+def _place(name: str, table: object) -> Place:
+    fields = msgspec.convert(table, PlaceTable)
+    yaw = math.remainder(math.radians(fields.yaw_deg), math.tau) if math.isfinite(fields.yaw_deg) else math.nan
+    return Place(name=name, x=fields.x, y=fields.y, yaw=yaw)
+
+
+def _line(name: str, table: object) -> NoGoLine:
+    (x, y), (end_x, end_y) = msgspec.convert(table, LineTable).points
+    return NoGoLine(name=name, x=x, y=y, end_x=end_x, end_y=end_y)
 
 
 def _table_of(each: Place | NoGoLine) -> str:
@@ -153,7 +164,7 @@ def _table_of(each: Place | NoGoLine) -> str:
 
 def _without(text: str, header: dict[str, dict[str, dict[str, float]]]) -> str:
     """Return the text without the table of this header. Comments before it and behind it stay."""
-    lines = text.splitlines(keepends=True)
+    lines = re.findall("[^\n]*\n|[^\n]+", text)
     headers = {at: found for at, line in enumerate(lines) if (found := _header(line))}
     begin = next((at for at, found in headers.items() if found == header), None)
     if begin is None:

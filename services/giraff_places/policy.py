@@ -26,15 +26,20 @@ from giraff_schemas.trouble import NO_TROUBLE, Trouble
 _FRESH: Final = 1.0
 """s; localization tells the pose ten times a second."""
 _SILENT: Final = 3.0
-"""s without a pose after which localization counts as gone."""
+"""s without a sample after which localization, or another giraff_places, counts as gone."""
 _LINE: Final = "line-"
+_SHOWN: Final = 10
+"""Names that are shown of those that there are."""
 
 _UNHEARD: Final = Trouble(
-    "localization is not heard", "check that giraff_localization runs, which tells its floor plan each 5 s"
+    "localization is not heard", "wait 5 s where it has just begun, or check that giraff_localization runs"
 )
 _NO_POSE: Final = Trouble("no pose on the map is heard", "check giraff_localization, or give the pose")
 _TWO: Final = Trouble(
     "two processes say where the robot is on the map", "see both with `giraff node list`, and stop one of them"
+)
+_TWICE: Final = Trouble(
+    "two processes keep the places of this robot", "see both with `giraff node list`, and stop one of them"
 )
 _FULL: Final = Trouble(f"{MOST} are there already, and no plan has more", "remove one")
 
@@ -71,6 +76,8 @@ class PlacesPolicy:
         self._heard = -math.inf
         self._disputed = -math.inf
         """Moment when two processes last told the pose beside each other."""
+        self._shared = -math.inf
+        """Moment when another giraff_places was last heard."""
 
     def on_map(self, walls: MapWalls) -> None:
         """Take the floor plan that localization goes by."""
@@ -81,6 +88,10 @@ class PlacesPolicy:
         if self._pose is not None and pose.instance != self._pose.instance and now - self._heard <= _FRESH:
             self._disputed = now
         self._pose, self._heard = pose, now
+
+    def on_other(self, now: float) -> None:
+        """Take that another process keeps places of this robot, too."""
+        self._shared = now
 
     @property
     def no_plan(self) -> Trouble:
@@ -96,6 +107,8 @@ class PlacesPolicy:
         """Return why the places count for nothing now."""
         if isinstance(self._source, Trouble):
             return self._source
+        if now - self._shared <= _SILENT:
+            return _TWICE
         return self.file_fault or self._plan_fault(self._source, now)
 
     def _plan_fault(self, source: PlanFile, now: float) -> Trouble:
@@ -104,7 +117,7 @@ class PlacesPolicy:
             return _TWO
         if walls is None or pose is None or now - self._heard > _SILENT or pose.instance != walls.instance:
             return _UNHEARD
-        if not walls.map:
+        if not walls.walls:
             return Trouble("localization has no floor plan", "", "run", "giraff localize --for 1")
         if (walls.map, walls.walls) != source.plan:
             return Trouble(
@@ -120,13 +133,16 @@ class PlacesPolicy:
             return source
         if reason := self.reason(now):
             return reason
-        match change:
-            case PlaceAdd():
-                return self._added(change, now)
-            case PlaceRemove():
-                return self._removed(change.name)
-            case PlaceForbid():
-                return self._forbidden(change, source.plan)
+        try:
+            match change:
+                case PlaceAdd():
+                    return self._added(change, now)
+                case PlaceRemove():
+                    return self._removed(change.name)
+                case PlaceForbid():
+                    return self._forbidden(change, source.plan)
+        except ValueError as error:  # of a name, or of what is left when it is rounded
+            return Trouble(str(error))
 
     def _added(self, change: PlaceAdd, now: float) -> Changed | Trouble:
         places, no_go = self.known
@@ -139,10 +155,7 @@ class PlacesPolicy:
             return pose
         x, y = _mm(pose.x), _mm(pose.y)
         degrees = round(math.degrees(math.remainder(pose.yaw, math.tau)), 1) + 0.0
-        try:
-            place = Place(name=change.name, x=x, y=y, yaw=math.remainder(math.radians(degrees), math.tau))
-        except ValueError as error:
-            return Trouble(str(error))
+        place = Place(name=change.name, x=x, y=y, yaw=math.remainder(math.radians(degrees), math.tau))
         if fault := self._standing_fault(x, y):
             return fault
         return Changed(place.name, KnownPlaces((*places, place), no_go))
@@ -150,7 +163,7 @@ class PlacesPolicy:
     def _removed(self, name: str) -> Changed | Trouble:
         there = self._names()
         if name not in there:
-            others = meant(name, there) or (f"there are {', '.join(there)}" if there else "there are none yet")
+            others = meant(name, there) or (f"there are {', '.join(there[:_SHOWN])}" if there else "there are none yet")
             return Trouble(f"no place and no line is called {brief(name, LONGEST_NAME)}", others.strip())
         places = tuple(place for place in self.known.places if place.name != name)
         no_go = tuple(line for line in self.known.no_go if line.name != name)

@@ -37,6 +37,7 @@ class Places:
         self._policy = PlacesPolicy(source, robot)
         # Each pose wakes it: how fresh one is, it knows by when it came.
         self._poses, self._maps = io.inbox(POSE, limit=10), io.inbox(MAP, limit=1, wakes=False)
+        self._others = io.inbox(PLACES, limit=10, wakes=False)
         self._requests = io.requests(PLACES_SET)
         self._places = io.publisher(PLACES)
         self._timer = Timer(PLACES.rate_hz)
@@ -49,6 +50,8 @@ class Places:
             policy.on_map(walls)
         for pose in self._poses.pop_all():
             policy.on_pose(pose, now)
+        if any(places.instance != self._io.instance for places in self._others.pop_all()):
+            policy.on_other(now)
         known = policy.known
         is_due = self._timer.due(now)
         if is_due:

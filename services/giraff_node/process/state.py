@@ -30,7 +30,10 @@ def write_file_durably(path: Path, data: bytes) -> None:
     It keeps its permissions and the links to it. Raises OSError; then it may be either. What is no plain file stays as
     it is: to replace a device, such as /dev/null, is the end of it for all programs.
     """
-    path = path.resolve()
+    try:
+        path = path.resolve()
+    except RuntimeError as error:  # links that lead to each other
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path)) from error
     if path.exists() and not path.is_file():
         raise OSError(errno.EINVAL, "it is no plain file", str(path))
     fresh = path.with_name(f".{path.name}.{os.getpid()}")

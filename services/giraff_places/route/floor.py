@@ -18,15 +18,16 @@ _PARTS: Final = 4
 """Spots along each side of a cell. A door is judged by the best of them, to about 2 cm."""
 SPOT: Final = CELL / _PARTS
 """m between spots."""
-FAR: Final = 1.2
-"""m. Largest clearance that is told."""
+_EDGE: Final = 0.002
+"""m beyond the edge that counts as on it: single precision, 10 km from (0, 0)."""
 
 
 class Floor:
-    """Clearance of spots over the rectangle about a plan: m, at most `FAR`."""
+    """Clearance of spots over the rectangle about a plan."""
 
-    def __init__(self, bounds: Bounds, spots: Floats) -> None:
-        self._bounds = bounds
+    def __init__(self, bounds: Bounds, far: float, spots: Floats) -> None:
+        """`far`: m. Largest clearance that is told."""
+        self._bounds, self._far = bounds, far
         self._spots = spots
         columns, rows = (count // _PARTS for count in spots.shape)
         parts = spots.reshape(columns, _PARTS, rows, _PARTS).swapaxes(1, 2).reshape(columns, rows, _PARTS * _PARTS)
@@ -35,12 +36,12 @@ class Floor:
         """m. Clearance at the best spot of each cell; shape (columns, rows)."""
 
     @classmethod
-    def of(cls, plan: FloorPlan) -> "Floor":
-        """Return the floor of a plan."""
+    def of(cls, plan: FloorPlan, far: float) -> "Floor":
+        """Return the floor of a plan. `far`: m. Largest clearance that is told."""
         left, bottom, right, top = plan.bounds
         columns = max(1, math.ceil((right - left) / CELL - 1e-6))
         rows = max(1, math.ceil((top - bottom) / CELL - 1e-6))
-        floor = cls(plan.bounds, np.full((columns * _PARTS, rows * _PARTS), FAR, np.float32))
+        floor = cls(plan.bounds, far, np.full((columns * _PARTS, rows * _PARTS), far, np.float32))
         return floor.with_walls(plan.walls)
 
     def with_walls(self, walls: Iterable[Wall]) -> "Floor":
@@ -48,14 +49,15 @@ class Floor:
         spots = self._spots.copy()
         for wall in walls:
             self._lower(spots, wall)
-        return Floor(self._bounds, spots)
+        return Floor(self._bounds, self._far, spots)
 
     def at(self, x: Floats, y: Floats) -> Floats:
         """Return the clearance at places of `map`, m; 0 off the plan."""
-        column = np.floor((x - self._bounds.left) / SPOT).astype(np.intp)
-        row = np.floor((y - self._bounds.bottom) / SPOT).astype(np.intp)
+        left, bottom, right, top = self._bounds
+        column = np.floor((x - left) / SPOT).astype(np.intp)
+        row = np.floor((y - bottom) / SPOT).astype(np.intp)
         columns, rows = self._spots.shape
-        inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+        inside = (x >= left - _EDGE) & (x <= right + _EDGE) & (y >= bottom - _EDGE) & (y <= top + _EDGE)
         clearance = self._spots[np.clip(column, 0, columns - 1), np.clip(row, 0, rows - 1)]
         return np.where(inside, clearance, np.float32(0.0))
 
@@ -86,10 +88,10 @@ class Floor:
     def _lower(self, spots: Floats, wall: Wall) -> None:
         """Lower the clearance about one wall."""
         x0, y0, x1, y1 = wall
-        low = max(0, math.floor((min(x0, x1) - FAR - self._bounds.left) / SPOT))
-        high = min(spots.shape[0], math.ceil((max(x0, x1) + FAR - self._bounds.left) / SPOT))
-        bottom = max(0, math.floor((min(y0, y1) - FAR - self._bounds.bottom) / SPOT))
-        top = min(spots.shape[1], math.ceil((max(y0, y1) + FAR - self._bounds.bottom) / SPOT))
+        low = max(0, math.floor((min(x0, x1) - self._far - self._bounds.left) / SPOT))
+        high = min(spots.shape[0], math.ceil((max(x0, x1) + self._far - self._bounds.left) / SPOT))
+        bottom = max(0, math.floor((min(y0, y1) - self._far - self._bounds.bottom) / SPOT))
+        top = min(spots.shape[1], math.ceil((max(y0, y1) + self._far - self._bounds.bottom) / SPOT))
         if low >= high or bottom >= top:
             return
         x = ((np.arange(low, high) + 0.5) * SPOT + (self._bounds.left - x0)).astype(np.float32)[:, None]

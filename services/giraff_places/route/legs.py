@@ -15,6 +15,8 @@ _LONGEST: Final = 8.0
 """m of one leg. Beyond it, a heading that is off by a degree or two leads the robot aside."""
 _APART: Final = 3
 """Cells between two places where legs may end."""
+_STRAIGHT: Final = 0.005
+"""rad that is no turn."""
 _STEP: Final = 0.05
 """m between two looks along a leg."""
 
@@ -46,7 +48,17 @@ def straighten(points: Points, weigh: Weigh) -> Points:
     for begin, end in zip(chain[:0:-1], chain[-2::-1], strict=True):
         straight = np.isfinite(_leg_costs(some[begin], some[[end]], weigh))[0]
         corners += [int(ends[begin])] if straight else [*range(int(ends[begin]), int(ends[end]))]
-    return points[[*corners, len(points) - 1]]
+    return _joined(points[[*corners, len(points) - 1]])
+
+
+def _joined(corners: Points) -> Points:
+    """Return the corners without those at which the way does not turn."""
+    before, after = np.diff(corners, axis=0)[:-1], np.diff(corners, axis=0)[1:]
+    off = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+    turns = off > _STRAIGHT * np.hypot(*before.T) * np.hypot(*after.T)
+    ahead = (before * after).sum(axis=1) > 0.0
+    joined: Points = corners[np.concatenate([[True], turns | ~ahead, [True]])]
+    return joined
 
 
 def _walked(points: Points) -> npt.NDArray[np.float64]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from giraff_core.kinematics.pose import Pose
 from giraff_maps.floor_plan import FloorPlan, Wall, require_area
-from giraff_places.route.floor import CELL, SPOT, Floats, Floor
+from giraff_places.route.floor import SPOT, Floats, Floor
 from giraff_places.route.legs import straighten
 from giraff_places.route.search import Costs, cheapest, narrowest
 from giraff_schemas.places import NoGoLine
@@ -33,8 +33,9 @@ _BESIDE: Final = 0.05
 """m between footprint and wall that a place needs: the guard sweeps no more."""
 _LEAVES: Final = 0.5
 """m around start and goal where the robot may have as little room as it has there."""
-_LEAST: Final = 0.1
-"""m of clearance without which no cell counts: two neighbours cannot have a wall between them then."""
+_LEAST: Final = 0.14
+"""m of clearance without which no cell counts. The spots of two neighbours are 0.27 m apart at most, so that no wall
+can be between them then."""
 _IN_A_WALL: Final = Trouble(
     "the robot is in a wall or off the map, by where it is taken to be",
     "say where it is",
@@ -81,11 +82,11 @@ class RoutePlanner:
         self._plan = plan
         self._footprint = footprint_radius
         self._needs = passage_radius
-        self._floor = Floor.of(plan)
+        self._floor = Floor.of(plan, passage_radius + _COMFORT)
 
     def place_fault(self, x: float, y: float) -> Trouble:
         """Return why the robot cannot stand, and turn, at a place of `map`, m."""
-        room, needs = self._floor.near(x, y), self._footprint + _BESIDE
+        room, needs = self._floor.near(x, y), max(self._footprint + _BESIDE, _LEAST + SPOT)
         if room >= needs - SPOT:
             return NO_TROUBLE
         left, bottom, right, top = self._plan.bounds
@@ -138,7 +139,7 @@ class RoutePlanner:
         """Return the clearance that each place must have, m. `slack`: m that it may lack elsewhere than at the ends."""
         required = np.full(np.broadcast_shapes(x.shape, y.shape), self._needs - slack)
         for end in ends:
-            room = max(_LEAST, floor.near(end.x, end.y) - CELL)
+            room = max(_LEAST, floor.near(end.x, end.y) - _ROUNDING)
             if room < self._needs - slack:
                 there = np.hypot(x - end.x, y - end.y) <= _LEAVES
                 required[there] = np.minimum(required[there], room)
@@ -155,9 +156,10 @@ class RoutePlanner:
         clearance = floor.clearance.astype(np.float64)
         columns, rows = floor.middles()
         required = self._required(floor, (start, goal), columns[:, None], rows[None, :], _ROUNDING)
-        spare = np.where(clearance >= _LEAST, clearance - required, -np.inf)
+        room = np.where(clearance >= required, self._needs, clearance)
+        room[clearance < _LEAST] = -np.inf
         first, last = floor.cell(start.x, start.y), floor.cell(goal.x, goal.y)
-        if (gap := narrowest(first, last, spare)) is None:
+        if (gap := narrowest(first, last, room)) is None:
             trouble = Trouble("there are walls all round", "see the plan, and where the robot is on it")
             return NoRoute("no_way", trouble, goal.x, goal.y)
         ((x, y),) = floor.best_spots(np.array([gap]))

@@ -49,10 +49,10 @@ def narrowest(start: Cell, goal: Cell, room: Costs) -> Cell | None:
     seen, gap = {start}, start
     heap = [(-rooms[start[0]][start[1]], start)]
     while heap:
-        # The cells come in the order of a flood that always takes the widest next. The least of them is a gap that no
-        # way to the goal avoids.
+        # The cells come in the order of a flood that always takes the widest next. The least of them, and of equals the
+        # last, is a gap that no way to the goal avoids.
         _, here = heapq.heappop(heap)
-        if rooms[here[0]][here[1]] < rooms[gap[0]][gap[1]]:
+        if rooms[here[0]][here[1]] <= rooms[gap[0]][gap[1]]:
             gap = here
         if here == goal:
             return gap

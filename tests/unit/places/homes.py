@@ -15,7 +15,7 @@ from giraff_places.service import Places
 from giraff_schemas.codec import stamped
 from giraff_schemas.localization import LocalizationState, MapPose, MapWalls
 from giraff_schemas.places import PlaceChange, PlacesAnswer, PlacesSet
-from giraff_schemas.topics import MAP, PLACES_SET, POSE
+from giraff_schemas.topics import MAP, PLACES, PLACES_SET, POSE
 from giraff_schemas.trouble import Trouble
 from tests.support.map_poses import map_pose
 from tests.support.robots import ROBOT
@@ -52,13 +52,15 @@ class Home:
         self.path = folder / "home.places.toml"
         self.write: Callable[[Path, bytes], object] = Path.write_bytes
         self.io = MagicMock()
-        boxes = {topic: Inbox[object](20) for topic in (MAP, POSE, PLACES_SET)}
+        boxes = {topic: Inbox[object](20) for topic in (MAP, POSE, PLACES, PLACES_SET)}
         self.io.inbox.side_effect = lambda topic, **_: boxes[topic]
         self.io.requests.side_effect = boxes.get
         self._requests, self._poses, self._maps = boxes[PLACES_SET], boxes[POSE], boxes[MAP]
         plan = folder / "home.toml"
         store = PlacesStore(plan, self._write) if no_plan is None else None
         self._service = Places(self.io, PlacesConfig(), ROBOT, no_plan or PlanFile(ROOM, str(plan)), store)
+        self.others = boxes[PLACES]
+        """Takes what another giraff_places tells."""
         self._now = NOW
 
     def turn(self, seconds: float = 1.0) -> None:

@@ -121,6 +121,37 @@ def test_it_leaves_a_wall_and_goes_to_a_place_beside_one() -> None:
     assert route.room >= 0.30
 
 
+def test_no_route_leaves_through_a_wall_or_a_line_that_it_stands_beside() -> None:
+    """Start and goal are on the two sides of a slanted line across the room, and near it."""
+    corners = [(0.0, 0.0, 4.0, 0.0), (4.0, 0.0, 4.0, 4.0), (4.0, 4.0, 0.0, 4.0), (0.0, 4.0, 0.0, 0.0)]
+    for number in range(60):
+        angle, far = 0.05 + number * 0.05, 0.05 + 0.01 * (number % 30)
+        across, along = (math.sin(angle), -math.cos(angle)), (3.0 * math.cos(angle), 3.0 * math.sin(angle))
+        wall = (2.0 - along[0], 2.0 - along[1], 2.0 + along[0], 2.0 + along[1])
+        start, goal = (Pose(2.0 + side * across[0], 2.0 + side * across[1], 0.0) for side in (far, -far - 0.3))
+        for footprint in (0.1, 0.3):
+            walled = RoutePlanner(FloorPlan("halves", (*corners, wall)), footprint, footprint + 0.15)
+            lined = RoutePlanner(FloorPlan("room", tuple(corners)), footprint, footprint + 0.15)
+            assert isinstance(walled.route(start, goal), NoRoute), (number, footprint)
+            assert isinstance(lined.route(start, goal, [line("across", *wall)]), NoRoute), (number, footprint)
+
+
+def test_a_gap_beside_start_or_goal_is_too_narrow_as_any_other_is() -> None:
+    for start, goal in ((START, Pose(3.4, 1.8, 0.0)), (Pose(2.6, 1.8, 0.0), GOAL), (START, Pose(3.5, 2.0, 0.0))):
+        none = planned(two_rooms((2.0, 0.5)), start=start, goal=goal)
+        assert isinstance(none, NoRoute)
+        assert math.dist((none.x, none.y), (3.0, 2.0)) < 0.15
+        assert "a gap of 0.4" in str(none.trouble) or "a gap of 0.5" in str(none.trouble)
+
+
+def test_the_edge_of_an_open_plan_is_on_it_and_a_large_robot_fits_into_a_hall() -> None:
+    plan = FloorPlan("posts", ((-0.3, -0.3, -0.3, -0.2), (12.6, 12.6, 12.6, 12.5)))
+    for x, y in ((12.6, 6.0), (6.0, 12.6), (-0.3, 6.0), (6.0, -0.3)):
+        assert not RoutePlanner(plan, 1.5, 1.65).place_fault(x, y)
+    for x, y in ((12.61, 6.0), (6.0, -0.31)):
+        assert "off the map" in str(RoutePlanner(plan, 1.5, 1.65).place_fault(x, y))
+
+
 def test_a_goal_where_it_is_takes_no_way() -> None:
     route = planned(two_rooms((2.0, 1.2)), goal=START)
     assert isinstance(route, Route)

@@ -4,8 +4,12 @@ import errno
 import os
 from pathlib import Path
 
+import pytest
+
+from giraff_node.process.state import write_file_durably
+from giraff_schemas.codec import stamped
 from giraff_schemas.localization import PlanarPose
-from giraff_schemas.places import PlaceAdd, PlaceChange, PlaceForbid, PlaceRemove
+from giraff_schemas.places import PlaceAdd, PlaceChange, PlaceForbid, PlaceRemove, Places
 from giraff_schemas.trouble import Trouble
 from tests.unit.places.homes import Home
 
@@ -83,7 +87,7 @@ def test_a_file_that_cannot_be_read_is_a_fault_and_is_not_overwritten(tmp_path: 
     home = Home(tmp_path)
     home.path.write_text("[places.kitchen]\nx = 1.0\ny = 2.0\nyaw = 3.0\n")
     home.turn()
-    why = f"{home.path}: unknown field `yaw` in places"
+    why = f"{home.path}: [places.kitchen]: unknown field `yaw`; mend it, or remove it"
     assert home.faults == {"file": why}
     before = home.path.read_bytes()
     assert str(home.ask(BATH, 1).reason) == why
@@ -113,3 +117,26 @@ def test_without_a_plan_it_says_so_and_refuses(tmp_path: Path) -> None:
     assert str(home.ask(BATH, 1).reason) == "no map is given; set it"
     assert home.faults == {"plan": "no map is given; set it"}
     assert not [*tmp_path.iterdir()]
+
+
+def test_two_of_them_change_nothing(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    home.others.accept(stamped(Places(map="home", places=(), no_go=()), 0, 0, "another"))
+    home.turn()
+    assert str(home.ask(BATH, 1).reason).startswith("two processes keep the places of this robot; see both")
+    home.turn(3.1)
+    assert home.ask(BATH, 2).done
+
+
+def test_what_ends_no_service_is_refused(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    home.turn()
+    short = PlaceForbid(x=1.00051, y=1.00051, end_x=1.00849, end_y=1.00849)
+    assert str(home.ask(short, 1).reason).startswith("both ends of the line are one point")
+    home.path.symlink_to(home.path)
+    home.write = write_file_durably
+    home.turn()
+    assert "symbolic links" in home.faults["file"]
+    assert "symbolic links" in str(home.ask(BATH, 2).reason)
+    with pytest.raises(OSError, match="symbolic links"):
+        write_file_durably(home.path, b"")

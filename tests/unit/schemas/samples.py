@@ -19,6 +19,7 @@ _EPOCHS = st.integers(min_value=1, max_value=(1 << 32) - 1)
 _ROBOT_NS = st.integers(min_value=0, max_value=(1 << 64) - 1)
 _TEXTS = st.text(max_size=8)
 _NAMES = st.sampled_from(("kitchen", "Küche 2", "line-1"))
+_NEAR = st.floats(-1000.0, 1000.0)
 _INSTANCES = st.text(min_size=1, max_size=8)
 
 _LEAVES: dict[Any, st.SearchStrategy[Any]] = {
@@ -31,8 +32,8 @@ _LEAVES: dict[Any, st.SearchStrategy[Any]] = {
     lo.FreeCells: st.binary(max_size=8).map(
         lambda bits: lo.FreeCells(left=-1.0, bottom=2.0, side=0.05, columns=8, rows=len(bits), bits=bits)
     ),
-    pl.Place: st.builds(pl.Place, name=_NAMES, x=_FINITE, y=_FINITE, yaw=_FINITE),
-    pl.NoGoLine: st.builds(pl.NoGoLine, name=_NAMES, x=_FINITE, y=_FINITE, end_x=st.just(0.5), end_y=st.just(-0.25)),
+    pl.Place: st.builds(pl.Place, name=_NAMES, x=_NEAR, y=_NEAR, yaw=_FINITE),
+    pl.NoGoLine: st.builds(pl.NoGoLine, name=_NAMES, x=_NEAR, y=_NEAR, end_x=st.just(0.5), end_y=st.just(-0.25)),
     m.RobotTime: st.builds(m.RobotTime, epoch=_EPOCHS, robot_ns=_ROBOT_NS),
 }
 
