@@ -9,12 +9,14 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.kinematics.parts import PartPose, check_parts
-from giraff_core.senses import SENSES, AnySense, Camera, LaserScanner, Sense, UnknownSensor
+from giraff_core.senses import SENSES, AnySense, Camera, Sense, UnknownSensor
 from giraff_core.tuning import Tuning
 from giraff_schemas.frames import Transform
 from giraff_schemas.topics import require_chunk
 
 SenseT = TypeVar("SenseT", bound=Sense)
+PASSAGE: Final = 0.15
+"""m beyond the footprint that a route has at each side. Measured with the guard, for each sense: docs/obstacles.md."""
 WIRING: Final = (
     "swap_motors",
     "swap_encoders",
@@ -79,15 +81,6 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         places = {name: sensor.transform(name) for name, sensor in self.sensors.items()}
         return {name: place for name, place in places.items() if place is not None}
 
-    @property
-    def passage_radius(self) -> float:
-        """Return m to each side of its middle that a way needs.
-
-        A robot with a laser scanner knows best where it is. Sonars beside the scanner need no more than it does.
-        """
-        deciding = self.of(LaserScanner) or self.sensors
-        return self.footprint_radius + max((each.PASSAGE for each in deciding.values()), default=Sense.PASSAGE)
-
     def camera(self, name: str, field: str) -> tuple[str, Camera]:
         """Return the name and the table of the camera that a name means; an empty one means the only one.
 
@@ -116,8 +109,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     @property
     def passage_radius(self) -> float:
-        """m; half of the narrowest gap."""
-        return self.footprint_radius + 0.15
+        """m. Half of the narrowest door that a route goes through."""
+        return self.footprint_radius + PASSAGE
 
     @property
     def left_ticks_per_metre(self) -> float:

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from giraff_core.senses import LaserScanner, Sense, Ultrasonic
+from giraff_core.senses import Sense
 from giraff_motion.config import MotionConfig
 from giraff_scan.config import ScanConfig
 from giraff_scan.service import Scan
@@ -31,8 +31,6 @@ class Kind(NamedTuple):
     """A robot by what it sees with. Its line through the door is off by what its localization leaves."""
 
     sensors: dict[str, Sense]
-    needs: float
-    """m beyond the footprint that it is promised at each side."""
     beside: float
     """m, standard deviation. Nothing is off by more than two of them."""
     heading: float
@@ -41,10 +39,10 @@ class Kind(NamedTuple):
 
 _BY_WHEELS, _BY_SCAN = (0.05, math.radians(2.0)), (0.02, math.radians(1.0))
 KINDS: Final = {
-    "ultrasonic": Kind({**ULTRASONIC}, Ultrasonic.PASSAGE, *_BY_WHEELS),
-    "scanner": Kind({"laser": LASER}, LaserScanner.PASSAGE, *_BY_SCAN),
-    "both": Kind({"laser": LASER, **ULTRASONIC}, LaserScanner.PASSAGE, *_BY_SCAN),
-    "none": Kind({}, Sense.PASSAGE, *_BY_WHEELS),
+    "ultrasonic": Kind({**ULTRASONIC}, *_BY_WHEELS),
+    "scanner": Kind({"laser": LASER}, *_BY_SCAN),
+    "both": Kind({"laser": LASER, **ULTRASONIC}, *_BY_SCAN),
+    "none": Kind({}, *_BY_WHEELS),
 }
 
 

@@ -24,9 +24,6 @@ class LaserScanner(Sense, frozen=True, kw_only=True, tag="ld19"):
     """
 
     TOPIC: ClassVar[Topic[LaserScan]] = SCAN
-    PASSAGE: ClassVar[float] = 0.15
-    """m. The guard blocks below 0.09 m; the rest is the robot's error: 0.02 m and 1 degree
-    (`tests/campaign/test_doors.py`)."""
 
     x: Annotated[float, PLACE]
     y: Annotated[float, PLACE]

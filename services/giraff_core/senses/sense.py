@@ -65,10 +65,6 @@ class Sense(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     LIVE: ClassVar = Tuning.READ_ONLY
     TOPIC: ClassVar[Topic[Any] | None] = None
     """Topic of what it tells the guard; None: the guard does not listen to it."""
-    PASSAGE: ClassVar[float] = 0.15
-    """m beyond the footprint that a way needs at each side. 19 of 20 drives through a door then arrive without a touch
-    (`tests/campaign/test_doors.py`; docs/obstacles.md has the table). This one is of a robot that creeps: nothing looks
-    ahead."""
 
     @classmethod
     def type_name(cls) -> str:

@@ -25,9 +25,6 @@ class Ultrasonic(Sense, frozen=True, kw_only=True, tag="hc-sr04"):
     """
 
     TOPIC: ClassVar[Topic[Range]] = RANGE
-    PASSAGE: ClassVar[float] = 0.20
-    """m. Most of it is the error of a robot that does not see where the door is: 0.05 m and 2 degrees
-    (`tests/campaign/test_doors.py`)."""
 
     index: int
     """Number of the sensor on the ranger board."""
