@@ -47,6 +47,7 @@ KEYS: Final = {
     "pose",
     "particles",
     "map",
+    "places",
     "camera/*/@full",
     "camera/*/@small",
     "camera/*/on",

@@ -94,7 +94,7 @@ def test_places_and_no_go_lines_are_drawn_with_the_plan(giraff: Giraff, tmp_path
     bare = giraff("map", "show", str(plan), "--svg", str(svg))[1], svg.read_text()
     beside.write_text(
         "[places]\nkitchen = {x = 0.5, y = 1.5, yaw_deg = 90}\n'Küche' = {x = 1.5, y = 1.5, yaw_deg = 0}\n"
-        "attic = {x = 9, y = 9, yaw_deg = 0}\n[no_go]\nstairs = {points = [[-1e9, 1.0], [1.0, 1.0]]}\n"
+        "attic = {x = 9, y = 9, yaw_deg = 0}\n[no_go]\nstairs = {points = [[-9000.0, 1.0], [1.0, 1.0]]}\n"
         "rug = {points = [[0.5, 0.5], [1.5, 0.5]]}\n"
     )
     code, out, complaint = giraff("map", "show", str(plan), "--svg", str(svg))
