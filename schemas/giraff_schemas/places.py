@@ -64,6 +64,10 @@ class Places(Sample, frozen=True, kw_only=True):
     reason: Trouble = NO_TROUBLE
     """Cause, where the places count for nothing now: no plan, or localization goes by another one."""
 
+    def are_on(self, plan: str) -> bool:
+        """Return whether they count on the floor plan of this name."""
+        return self.map == plan and not self.reason
+
 
 class PlaceAdd(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="add"):
     """Give a place a name."""

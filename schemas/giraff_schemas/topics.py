@@ -156,7 +156,7 @@ QUERIES: tuple[Query[Any, Any], ...] = (
     LOCALIZATION_GLOBAL,
     PLACES_SET,
 )
-"""Of base, odometry, localization and places."""
+"""Queries of base, odometry, localization and places."""
 
 MOTION_MOVE = Query("motion/move", mo.MotionMove, mo.MotionAnswer)
 MOTION_TURN = Query("motion/turn", mo.MotionTurn, mo.MotionAnswer)

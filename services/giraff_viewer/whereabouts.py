@@ -1,4 +1,4 @@
-"""Where the robot is on the map, as localization has it: walls, particles, how sure it is, and where else it may be.
+"""The robot on the map, as localization has it: walls, particles, how sure it is, and where else it may be.
 
 The map's places by name and its no-go lines are drawn with it.
 """
@@ -74,7 +74,7 @@ class Whereabouts:
         """Draw places and no-go lines when they change. Those of another plan do not count."""
         known = self._places
         wanted: _Drawn = (), ()
-        if known is not None and known.map == self._map and not known.reason:
+        if known is not None and known.are_on(self._map):
             wanted = known.places, known.no_go
         if wanted == self._drawn:
             return []

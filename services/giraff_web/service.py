@@ -222,7 +222,7 @@ class Web(OperatorService):
 def _plan(walls: MapWalls, known: Places | None) -> Plan:
     """Return the floor plan with its places. Those of another plan do not count."""
     plan = Plan(map=walls.map, walls=_lines(walls.walls))
-    if known is None or known.map != walls.map or known.reason:
+    if known is None or not known.are_on(walls.map):
         return plan
     no_go = _lines((line.x, line.y, line.end_x, line.end_y) for line in known.no_go)
     return msgspec.structs.replace(plan, places=known.places, no_go=no_go)

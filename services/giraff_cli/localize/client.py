@@ -98,12 +98,7 @@ def _asked(
     asking = QueryClient(connection.session, connection.robot, query, request)
     answer = asking.wait(time.monotonic() + timeout)
     if answer is None:
-        why = asking.fault or f"nobody answered {asking.key}"
-        return Result(
-            UNANSWERED,
-            f"NOT CONFIRMED after {timeout:g} s: {why}; check that giraff_localization runs; "
-            "on a secured network [network.access] says who may ask",
-        )
+        return Result(UNANSWERED, asking.not_confirmed(timeout, "check that giraff_localization runs"))
     if not answer.done:
         return Result(REFUSED, f"localization of {connection.robot} refuses: {answer.reason}")
     return Result(DONE, f"{connection.robot} {done}")

@@ -66,14 +66,8 @@ def _jump(connection: RobotConnection, query: Query[RequestT, OdomAnswer], reque
     asking = QueryClient(connection.session, robot, query, request)
     answer = asking.wait(deadline)
     if answer is None:
-        why = asking.fault or f"nobody answered {asking.key}"
-        return Result(
-            UNANSWERED,
-            f"NOT CONFIRMED after {timeout:g} s: {why}; check that giraff_odometry runs; "
-            f"on a secured network [network.access] says who may ask{others(connection.session, robot)}",
-            robot,
-            reason=why,
-        )
+        told = asking.not_confirmed(timeout, "check that giraff_odometry runs") + others(connection.session, robot)
+        return Result(UNANSWERED, told, robot, reason=asking.silence)
     if not answer.done:
         told = f"odometry of {robot} refuses: {answer.reason}"
         return Result(REFUSED, told, robot, done=False, reason=str(answer.reason), jumps=answer.jumps)

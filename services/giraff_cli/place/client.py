@@ -64,13 +64,8 @@ def ask(connection: RobotConnection, change: PlaceChange, timeout: float) -> Res
     asking = QueryClient(connection.session, robot, PLACES_SET, request)
     answer = asking.wait(time.monotonic() + timeout)
     if answer is None:
-        why = asking.fault or f"nobody answered {asking.key}"
-        return Result(
-            UNANSWERED,
-            f"NOT CONFIRMED after {timeout:g} s: {why}; {_CHECK}; "
-            f"on a secured network [network.access] says who may ask{others(connection.session, robot)}",
-            robot,
-        )
+        told = asking.not_confirmed(timeout, _CHECK) + others(connection.session, robot)
+        return Result(UNANSWERED, told, robot)
     if not answer.done:
         return Result(REFUSED, f"places of {robot} refuses: {answer.reason}", robot, done=False)
     return Result(DONE, f"{robot}: {_said(change, answer.name)}", robot, done=True, name=answer.name)

@@ -47,6 +47,16 @@ class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
             time.sleep(_TURN)
         return None
 
+    @property
+    def silence(self) -> str:
+        """Return why there is no answer yet."""
+        return self.fault or f"nobody answered {self.key}"
+
+    def not_confirmed(self, seconds: float, check: str) -> str:
+        """Return what to tell people where there was no answer for so long. `check`: what they can do about it."""
+        why = f"NOT CONFIRMED after {seconds:g} s: {self.silence}; {check}"
+        return f"{why}; on a secured network [network.access] says who may ask"
+
     def _attempt(self) -> None:
         self._session.get(
             self.key,

@@ -31,7 +31,7 @@ plan that was made by driving draws doors up to 0.04 m too narrow."""
 _ALONG: Final = 0.04
 """m less than it needs that a leg may have between two spots."""
 _BESIDE: Final = 0.05
-"""m between footprint and wall that a place needs: the guard sweeps no more."""
+"""m between footprint and wall that a place needs. The guard keeps as much beside the robot."""
 _LEAVES: Final = 0.5
 """m around start and goal where the robot may have as little room as it has there."""
 _LEAST: Final = 0.14

@@ -28,12 +28,12 @@ NOW: Final = 100.0
 
 
 def pose_of(instance: str = "a", state: LocalizationState = "localized") -> MapPose:
-    """What localization says of the robot's place."""
+    """Return the pose that localization tells."""
     return stamped(map_pose(Pose(0.0, 0.0, 0.0), HERE, None, state), 0, 0, instance)
 
 
 def walls_of(plan: FloorPlan = ROOM, instance: str = "a") -> MapWalls:
-    """What it says of its plan."""
+    """Return the floor plan that it tells."""
     return stamped(MapWalls(map=plan.name, walls=plan.walls), 0, 0, instance)
 
 
