@@ -10,7 +10,7 @@ from giraff_schemas.format import FORMAT, SAME_VERSION
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health
 from giraff_schemas.text import plain
-from giraff_schemas.topics import MOTION_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, Query, RequestT, SampleT, Topic
+from giraff_schemas.topics import DRIVING_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, Query, RequestT, SampleT, Topic
 from giraff_schemas.trouble import Trouble
 
 
@@ -109,7 +109,7 @@ def _decoder(type_: type[msgspec.Struct]) -> msgspec.msgpack.Decoder[Any]:
 # process.
 for _type in (
     *(topic.schema for topic in TOPICS),
-    *(type_ for query in (*QUERIES, *MOTION_QUERIES, *PARAM_QUERIES) for type_ in (query.request, query.answer)),
+    *(type_ for query in (*QUERIES, *DRIVING_QUERIES, *PARAM_QUERIES) for type_ in (query.request, query.answer)),
     Health,
     Transform,
 ):

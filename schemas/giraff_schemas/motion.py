@@ -167,8 +167,9 @@ class Displacement(msgspec.Struct, frozen=True, kw_only=True):
 
 NOWHERE = Displacement(path=0.0, x=0.0, y=0.0, yaw=0.0)
 
-Stage = Literal["idle", "arming", "moving", "stopping", "ended"]
-"""`stopping`: it is over, and the robot still rolls: what was achieved is not known yet."""
+Stage = Literal["idle", "arming", "moving", "waiting", "stopping", "ended"]
+"""`waiting`: something is in the way of a route, and it is not asked to move; `stopping`: it is over, and the robot
+still rolls: what was achieved is not known yet."""
 Outcome = Literal[
     "",
     "arrived",
@@ -180,8 +181,13 @@ Outcome = Literal[
     "disarmed",
     "lost_odometry",
     "lost_localization",
+    "no_room",
+    "no_way",
+    "too_narrow",
+    "forbidden",
 ]
-"""Why it has ended; empty: it has not."""
+"""Why it has ended; empty: it has not. The last four are of routes: the robot cannot stand at the goal; walls all
+round; each way has a gap that is too narrow; each way crosses a no-go line."""
 
 
 class MotionState(Sample, frozen=True, kw_only=True):

@@ -9,7 +9,8 @@ import msgspec
 
 from giraff_schemas.checks import require_finite
 from giraff_schemas.localization import PlanarPose
-from giraff_schemas.messages import Sample
+from giraff_schemas.messages import RobotTime, Sample
+from giraff_schemas.motion import IDLE, MotionState
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LONGEST_NAME = 40
@@ -116,6 +117,70 @@ class PlacesAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """Name of the place or line."""
     reason: Trouble = NO_TROUBLE
     """Cause of a refusal."""
+
+
+class Goal(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where a route ends, in `map`."""
+
+    x: float
+    """m; of `base_link`."""
+    y: float
+    yaw: float | None = None
+    """rad; None: any heading will do."""
+
+    def __post_init__(self) -> None:
+        require_finite(self, self.x, self.y, self.yaw or 0.0)
+
+
+class PlacesGo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Asks for a route, and for the motions along it.
+
+    Who asks says a `MotionHold` on `places/hold` once it is accepted, 25 times a second: without it nothing moves.
+    """
+
+    by: str
+    id: int
+    """Random, of this wish, never 0: asked again with the same one, nothing is begun again."""
+    instance: str
+    """Instance that the requester's `MotionHold` carries, never empty: nobody else's keeps the robot going."""
+    tick: RobotTime
+    """The newest that was heard when it was wished: an old request begins nothing."""
+    goal: str | Goal
+    """Name of a place, or a pose."""
+
+    def __post_init__(self) -> None:
+        if isinstance(self.goal, Goal):
+            _require_near(self.goal.x, self.goal.y)
+
+
+class RouteState(MotionState, frozen=True, kw_only=True):
+    """How a route goes on, or how the last one ended: until the next one begins.
+
+    `asked` and `achieved` have the way alone: m that it takes from its start, and m that the robot has come. `step` is
+    the leg, and `covariance` localization's.
+    """
+
+    place: str
+    """Name of its goal; empty: it was given as a pose."""
+    goal: Goal | None
+    """None: there was no route yet."""
+    corners: tuple[tuple[float, float], ...]
+    """m, in `map`: from where the robot was as it was planned last to the goal, with a straight leg between two."""
+    at: tuple[float, float] | None = None
+    """m, in `map`: of what is in the way, or where it has ended; None: neither."""
+
+    def __post_init__(self) -> None:
+        way = (value for corner in self.corners for value in corner)
+        require_finite(self, *self.covariance, self.elapsed, self.time_limit, *way, *(self.at or ()))
+
+
+NO_ROUTE = RouteState(
+    **{name: getattr(IDLE, name) for name in MotionState.__struct_fields__ if name not in Sample.__struct_fields__},
+    place="",
+    goal=None,
+    corners=(),
+)
+"""Nobody has asked for a route yet."""
 
 
 def require_line(line: NoGoLine | PlaceForbid) -> None:

@@ -76,10 +76,10 @@ WEB: Final = Service(
     name="web",
     host="operator",
     entry="main",
-    publishes=(t.OPERATOR_CMD_VEL,),
+    publishes=(t.OPERATOR_CMD_VEL, t.PLACES_HOLD),
     subscribes=(
         *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.ATTITUDE),
-        *(*_SENSED, t.POSE, t.MAP, t.PLACES, t.CAMERA_STATE),
+        *(*_SENSED, t.POSE, t.MAP, t.PLACES, t.ROUTE, t.CAMERA_STATE),
     ),
     optional=True,
     option="web",
@@ -91,18 +91,18 @@ CLIENT: Final = Service(
     name="client",
     host="operator",
     entry="",
-    publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.POSE, *_SENSED, t.MOTION),
+    publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD, t.PLACES_HOLD),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.POSE, *_SENSED, t.MOTION, t.ROUTE),
 )
 """A script of somebody's own, with `giraff_client`."""
 ROS2: Final = Service(
     name="ros2",
     host="operator",
     entry="main",
-    publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
+    publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD, t.PLACES_HOLD),
     subscribes=(
         *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, *_SENSED, t.TILT),
-        *(t.POSE, t.MAP, t.MOTION),
+        *(t.POSE, t.MAP, t.MOTION, t.PLACES, t.ROUTE),
     ),
     optional=True,
     libraries=("numpy", "rosbags", "xxhash"),
@@ -187,15 +187,15 @@ PLACES: Final = Service(
     name="places",
     host="any",
     entry="main",
-    publishes=(t.PLACES,),
-    subscribes=(t.POSE, t.MAP, t.PLACES),
-    answers=(t.PLACES_SET,),
+    publishes=(t.PLACES, t.ROUTE, t.MOTION_HOLD),
+    subscribes=(t.TICK, t.POSE, t.MAP, t.RANGE, t.SCAN, t.MOTION, t.PLACES, t.PLACES_HOLD),
+    answers=(t.PLACES_SET, t.PLACES_GO, t.PLACES_CANCEL),
     optional=True,
     option="localize",
     libraries=("numpy",),
     extra="localization",
 )
-"""Knows places by name on the floor plan, and how to get there."""
+"""Knows places by name on the floor plan, and has the robot go there. No part of what keeps it from obstacles."""
 CAMERA: Final = Service(
     name="camera",
     host="robot",

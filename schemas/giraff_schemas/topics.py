@@ -91,6 +91,8 @@ POSE = Topic("pose", lo.MapPose, 10, "state", size=600)
 PARTICLES = Topic("particles", lo.Particles, 2, "state", size=8000)
 MAP = Topic("map", lo.MapWalls, 0.2, "state", size=16_000)
 PLACES = Topic("places", pl.Places, 1, "state", size=1000)
+PLACES_HOLD = Topic("places/hold", mo.MotionHold, 25, "control")
+ROUTE = Topic("route", pl.RouteState, 5, "state", size=800)
 CAMERA = Topic("camera/*/@full", c.Picture, 15, "bulk", "camera")
 CAMERA_SMALL = Topic("camera/*/@small", c.Picture, 15, "bulk", "camera")
 CAMERA_ON = Topic("camera/*/on", c.CameraHold, 5, "state", "camera")
@@ -125,6 +127,8 @@ TOPICS: tuple[Topic[Any], ...] = (
     PARTICLES,
     MAP,
     PLACES,
+    PLACES_HOLD,
+    ROUTE,
     CAMERA,
     CAMERA_SMALL,
     CAMERA_ON,
@@ -166,6 +170,12 @@ MOTION_CANCEL = Query("motion/cancel", mo.MotionCancel, mo.MotionAnswer, mo.Moti
 
 MOTION_QUERIES: tuple[Query[Any, Any], ...] = (MOTION_MOVE, MOTION_TURN, MOTION_ARC, MOTION_GO, MOTION_CANCEL)
 """Of motion."""
+
+PLACES_GO = Query("places/go", pl.PlacesGo, mo.MotionAnswer)
+PLACES_CANCEL = Query("places/cancel", mo.MotionCancel, mo.MotionAnswer, mo.MotionCancel(by="somebody unknown"))
+
+DRIVING_QUERIES: tuple[Query[Any, Any], ...] = (*MOTION_QUERIES, PLACES_GO, PLACES_CANCEL)
+"""Of motion and of places: who may ask them may have the robot move."""
 
 # Apart, because access is granted by key: who may read a parameter may not set it.
 PARAM_DESCRIBE = Query("param/*", p.ParamDescribe, p.ParamAnswer)

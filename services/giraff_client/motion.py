@@ -11,7 +11,8 @@ import zenoh
 from giraff_client.errors import LostRobotError, MotionBlockedError, MotionError, SilentError
 from giraff_client.reading import require_finite
 from giraff_core.motion.result import MotionResult
-from giraff_node.motion_client import TURN, MotionClient, Wish
+from giraff_core.motion.wish import Wish
+from giraff_node.motion_client import TURN, MotionClient
 from giraff_schemas.motion import Arc, GoTo, Move, Step, Turn
 
 

@@ -12,13 +12,14 @@ from giraff_schemas.services import CAMERA, MOTION, OPERATORS
 from giraff_schemas.topics import (
     CAMERA_ON,
     CAMERA_PICTURES,
+    DRIVING_QUERIES,
     ESTOP_ENGAGE,
     MOTION_HOLD,
-    MOTION_QUERIES,
     ODOM_ECHOES,
     OPERATOR_CMD_VEL,
     PARAM_DESCRIBE,
     PARAM_QUERIES,
+    PLACES_HOLD,
     QUERIES,
     ROOT,
     TILT,
@@ -123,8 +124,8 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
         says: list[Topic[Any]] = [OPERATOR_CMD_VEL.at(name) for name in names if name not in _NO_HANDS] + [TILT]
         queries = [*QUERIES, *PARAM_QUERIES]
         if MOTION.name in names:
-            says.append(MOTION_HOLD)
-            queries += MOTION_QUERIES
+            says += (MOTION_HOLD, PLACES_HOLD)
+            queries += DRIVING_QUERIES
         if CAMERA.name in names:
             says.append(CAMERA_ON)
         rules += [

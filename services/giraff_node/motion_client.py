@@ -1,24 +1,25 @@
-"""Asks giraff_motion for a motion, and holds on to it: `giraff_core.motion.requester` on the network."""
+"""Asks for a motion or a route, and holds on to it: `giraff_core.motion.requester` on the network."""
 
 import contextlib
 import secrets
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
-from typing import Any, Final, NamedTuple
+from collections.abc import Callable
+from typing import Any, Final
 
 import zenoh
 
 from giraff_core.motion.requester import HeldMotion, MotionRequester
 from giraff_core.motion.result import MotionResult
+from giraff_core.motion.wish import RouteWish, Wish
 from giraff_core.timer import Timer
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.node import Publisher
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample, Tick
-from giraff_schemas.motion import MotionState, Step
-from giraff_schemas.topics import MOTION, MOTION_HOLD, TICK, Query, Topic, key_of
+from giraff_schemas.motion import MotionState
+from giraff_schemas.topics import TICK, Query, Topic, key_of
 
 TURN: Final = 0.01
 """s between two turns."""
@@ -26,36 +27,24 @@ _TUNE_HZ: Final = 2.0  # a laptop on Wi-Fi comes back with another link
 _MOST_WAITING: Final = 1000  # samples, some 10 s of them; whoever stands still longer has lost the motion
 
 
-class Wish(NamedTuple):
-    """What is asked for."""
-
-    steps: Sequence[Step]
-    speed: float | None = None
-    """m/s at most; None: as `[motion]` has it."""
-    turn_speed: float | None = None
-    """rad/s at most, on the spot; None: as `[motion]` has it."""
-    time_limit: float | None = None
-    """s; None: as motion has it."""
-
-
 class MotionClient:
     """One motion. Call `turn` every `TURN` s until it returns how the motion has ended; who calls no more lets go."""
 
-    def __init__(self, session: zenoh.Session, robot: str, by: str, wish: Wish) -> None:
+    def __init__(self, session: zenoh.Session, robot: str, by: str, wish: Wish | RouteWish) -> None:
         """`by`: whom to name to those who ask who it was."""
         instance = secrets.token_hex(8)
-        self._requester = MotionRequester(secrets.randbits(63) or 1, by, instance)
+        self._requester = MotionRequester(secrets.randbits(63) or 1, wish, by, instance)
         self._tuning = Timer(_TUNE_HZ)
         self._heard: deque[tuple[Sample, float]] = deque(maxlen=_MOST_WAITING)  # Zenoh's threads fill it
         self._declared: list[Any] = [
-            session.declare_subscriber(key_of(robot, topic), self._hearer(topic)) for topic in (TICK, MOTION)
+            session.declare_subscriber(key_of(robot, topic), self._hearer(topic)) for topic in (TICK, wish.asked.state)
         ]
 
         def ask(query: Query[Any, Any], request: Any) -> QueryClient[Any, Any]:
             return QueryClient(session, robot, query, request)
 
-        holds = Publisher(session, robot, MOTION_HOLD, instance)
-        self._held = HeldMotion(self._requester, ask, holds.put, *wish)
+        holds = Publisher(session, robot, wish.asked.hold, instance)
+        self._held = HeldMotion(self._requester, ask, holds.put)
 
     @property
     def state(self) -> MotionState | None:

@@ -10,8 +10,8 @@ from giraff_maps.floor_plan import MapError
 from giraff_maps.places_file import PlacesStore
 from giraff_places.config import PlacesConfig
 from giraff_places.policy import PlacesPolicy, PlanFile
-from giraff_schemas.places import PlacesAnswer, PlacesSet
-from giraff_schemas.topics import MAP, PLACES, PLACES_SET, POSE
+from giraff_schemas.places import NO_ROUTE, PlacesAnswer, PlacesSet
+from giraff_schemas.topics import MAP, PLACES, PLACES_SET, POSE, ROUTE
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _REMEMBERED: Final = 64
@@ -40,8 +40,8 @@ class Places:
         self._others = io.inbox(PLACES, limit=10, wakes=False)
         self._requests = io.requests(PLACES_SET)
         self._places = io.publisher(PLACES)
-        self._timer = Timer(PLACES.rate_hz)
-        self.timers = (self._timer,)
+        self._routes = io.publisher(ROUTE)
+        self._timer, self._route_timer = self.timers = Timer(PLACES.rate_hz), Timer(ROUTE.rate_hz)
         self._made: deque[tuple[int, PlacesAnswer]] = deque(maxlen=_REMEMBERED)
 
     def turn(self, now: float) -> None:
@@ -60,6 +60,8 @@ class Places:
             asked.answer(self._on_set(asked.request, now))
         if is_due or policy.known != known:
             self._places.put(policy.places(now))
+        if self._route_timer.due(now):
+            self._routes.put(NO_ROUTE)
         self._io.set_fault("plan", policy.no_plan)
         self._io.set_fault("file", policy.file_fault)
         is_whole = not (policy.no_plan or policy.file_fault)

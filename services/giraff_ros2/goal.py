@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from giraff_core.io import IO
 from giraff_core.motion.requester import HeldMotion, MotionRequester
+from giraff_core.motion.wish import Wish
 from giraff_core.operator import RobotLink
 from giraff_core.retry import RetriedRequest
 from giraff_ros2.answers import Answers
@@ -186,8 +187,8 @@ class Goals:
             return
         self._goal = None
         if steps := _steps(pose, frame, x, y, yaw):
-            self._requester = MotionRequester(self._io.token(), self._by, self._io.instance)
-            self._motion = HeldMotion(self._requester, self._ask, self._holds.put, steps)
+            self._requester = MotionRequester(self._io.token(), Wish(steps), self._by, self._io.instance)
+            self._motion = HeldMotion(self._requester, self._ask, self._holds.put)
 
     def _ask(self, query: Query[Any, Any], request: Any) -> RetriedRequest[Any]:
         return self._io.ask(query, request, lambda _: True)

@@ -19,6 +19,7 @@ from giraff_schemas.motion import Arc, GoTo, MotionArc, MotionCancel, MotionGo, 
 from giraff_schemas.places import PlaceAdd, PlacesSet
 from giraff_schemas.requests import EStopEngage, EStopReset, OdomReset, OdomSetPose
 from giraff_schemas.topics import (
+    DRIVING_QUERIES,
     ESTOP_ENGAGE,
     ESTOP_RESET,
     LOCALIZATION_GLOBAL,
@@ -27,7 +28,6 @@ from giraff_schemas.topics import (
     MOTION_CANCEL,
     MOTION_GO,
     MOTION_MOVE,
-    MOTION_QUERIES,
     MOTION_TURN,
     ODOM_ECHOES,
     ODOM_RESET,
@@ -55,7 +55,7 @@ KEYS: Final[tuple[Topic[Any] | Query[Any, Any], ...]] = (
     *(topic for topic in TOPICS if topic.schema.__module__ != camera.__name__),
     VISUAL_ODOM,
     *(query for query in QUERIES if query is not ODOM_ECHOES),  # it changes nothing, and is read as the others are
-    *MOTION_QUERIES,
+    *DRIVING_QUERIES,
 )
 _AT_ONCE: Final = 15
 """Payloads each simulated ms: an inbox of 20 that is read every 10 ms loses some, one of 200 none."""

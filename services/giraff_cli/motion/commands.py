@@ -10,7 +10,7 @@ from giraff_cli.options import AsJson, Connect, Robot, finite, parsed
 from giraff_tools import typed
 
 if TYPE_CHECKING:
-    from giraff_node.motion_client import Wish
+    from giraff_core.motion.wish import Wish
 
 Angle = Annotated[
     float,
@@ -68,7 +68,7 @@ def move(
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
     from giraff_cli.motion.pattern import move as step  # noqa: PLC0415
-    from giraff_node.motion_client import Wish  # noqa: PLC0415
+    from giraff_core.motion.wish import Wish  # noqa: PLC0415
 
     _perform("move", lambda: Wish((step(distance),), speed, None, time_limit), robot, connect, as_json=as_json)
 
@@ -86,7 +86,7 @@ def turn(
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
     from giraff_cli.motion.pattern import turn as step  # noqa: PLC0415
-    from giraff_node.motion_client import Wish  # noqa: PLC0415
+    from giraff_core.motion.wish import Wish  # noqa: PLC0415
 
     _perform("turn", lambda: Wish((step(angle),), None, speed, time_limit), robot, connect, as_json=as_json)
 
@@ -108,7 +108,7 @@ def arc(
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
     from giraff_cli.motion.pattern import arc as step  # noqa: PLC0415
-    from giraff_node.motion_client import Wish  # noqa: PLC0415
+    from giraff_core.motion.wish import Wish  # noqa: PLC0415
 
     _perform("arc", lambda: Wish((step(radius, angle),), speed, None, time_limit), robot, connect, as_json=as_json)
 
@@ -143,7 +143,7 @@ def go(
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
     from giraff_cli.motion.pattern import PatternError, read_pattern  # noqa: PLC0415
-    from giraff_node.motion_client import Wish  # noqa: PLC0415
+    from giraff_core.motion.wish import Wish  # noqa: PLC0415
     from giraff_schemas.motion import GoTo  # noqa: PLC0415
 
     def wish() -> "Wish":

@@ -5,9 +5,9 @@ from typing import Any, Final, Literal
 
 import msgspec
 
+from giraff_core.motion.wish import Wish
 from giraff_core.toml_kinds import PATTERN, wrong_kind
 from giraff_node.config.robot_file import parse_toml
-from giraff_node.motion_client import Wish
 from giraff_schemas.motion import Arc, GoTo, Move, Step, Turn
 from giraff_schemas.text import plain
 from giraff_tools.typed import angle

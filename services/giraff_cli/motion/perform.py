@@ -15,8 +15,9 @@ from rich.text import Text
 
 from giraff_core.latest import LatestSamples
 from giraff_core.motion.result import MotionResult, way_of
+from giraff_core.motion.wish import Wish
 from giraff_node import robot_now_ns
-from giraff_node.motion_client import TURN, MotionClient, Wish
+from giraff_node.motion_client import TURN, MotionClient
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import not_found_text
 from giraff_node.network.tokens import list_robots

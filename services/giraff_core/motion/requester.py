@@ -1,20 +1,22 @@
-"""The requester's side of a motion: what it says meanwhile, what it concludes, and the one order of its steps.
+"""The requester's side of a motion or a route: what it says, what it concludes, and the one order of its steps.
 
 The requester holds on to the motion as a hand holds a key down: with each tick of the robot that it has heard, and with
 no other. One that is killed, cut off or suspended hears none, and its motion ends. No I/O and no clock.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, Final
 
 from giraff_core.motion.result import Ending, MotionResult, result_of
+from giraff_core.motion.wish import RouteWish, Wish
 from giraff_core.operator import LINK_SILENCE, RobotLink
 from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
-from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionGo, MotionHold, MotionState, Step
-from giraff_schemas.topics import MOTION_CANCEL, MOTION_GO, MOTION_HOLD, Query
+from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionGo, MotionHold, MotionState
+from giraff_schemas.places import PlacesGo
+from giraff_schemas.topics import Query
 
 ANSWERS_WITHIN: Final = 3.0
 """s for an answer, with some attempts that are lost."""
@@ -23,20 +25,21 @@ STATES_SILENCE: Final = 1.0
 ENDS_WITHIN: Final = 2.5
 """s from a cancel to its end: motion stops at once, waits until the robot rests, and would stop for want of holds."""
 
-_CHECK: Final = "check that giraff_motion runs; on a secured network [network.access] says who may ask"
+_CHECK: Final = "check that {0} runs; on a secured network [network.access] says who may ask"
 _NO_ANSWER: Final = f"nobody has answered within {ANSWERS_WITHIN:g} s; {_CHECK}"
-_SILENT: Final = f"giraff_motion is silent for {STATES_SILENCE:g} s; it stops for want of holds; {_CHECK}"
-_ANOTHER: Final = "another giraff_motion speaks: it was started anew, or there are two; let one run, and ask again"
+_SILENT: Final = f"{{0}} is silent for {STATES_SILENCE:g} s; the robot stops for want of holds; {_CHECK}"
+_ANOTHER: Final = "another {0} speaks: it was started anew, or there are two; let one run, and ask again"
 
 
 class MotionRequester:
     """One wish, from the moment it is made to its end. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, wish: int, by: str, instance: str) -> None:
-        """`wish`: its id, random and not 0. `instance`: that its holds carry."""
-        self._id, self._by, self._own = wish, by, instance
+    def __init__(self, id_: int, wish: Wish | RouteWish, by: str, instance: str) -> None:
+        """`id_`: random and not 0. `instance`: that its holds carry."""
+        self.wish = wish
+        self._id, self._by, self._own = id_, by, instance
         self._link = RobotLink()
-        self._timer = Timer(MOTION_HOLD.rate_hz)
+        self._timer = Timer(wish.asked.hold.rate_hz)
         self._held: RobotTime | None = None
         self._asked_at = self._heard = math.inf
         self._looked = self._woke = -math.inf
@@ -65,31 +68,15 @@ class MotionRequester:
         """Take the robot's clock as it arrives."""
         self._link.on_tick(tick, now)
 
-    def ask(
-        self,
-        now: float,
-        steps: Sequence[Step],
-        speed: float | None = None,
-        turn_speed: float | None = None,
-        time_limit: float | None = None,
-    ) -> MotionGo | None:
+    def ask(self, now: float) -> MotionGo | PlacesGo | None:
         """The request, once: with the newest tick that was heard; None: none was heard yet. Raises ValueError."""
         if self._link.tick is None or self._link.link_fault(now):
             return None
         self._asked_at = now
-        return MotionGo(
-            by=self._by,
-            id=self._id,
-            instance=self._own,
-            tick=self._link.tick,
-            steps=tuple(steps),
-            speed=speed,
-            turn_speed=turn_speed,
-            time_limit=time_limit,
-        )
+        return self.wish.request(self._by, self._id, self._own, self._link.tick)
 
     def on_answer(self, answer: MotionAnswer, now: float) -> None:
-        """Take what giraff_motion answers."""
+        """Take what the service answers."""
         if self._answer is None:
             self._answer, self._heard = answer, now
 
@@ -106,7 +93,7 @@ class MotionRequester:
                 self.state, self._instance, self._heard = state, state.instance, now
         elif self.state is not None:
             if state.instance != self._instance:
-                self._lost = "unheard", _ANOTHER
+                self._lost = "unheard", self._told(_ANOTHER)
             elif state.seq > self.state.seq:
                 self._lost = "unheard", f"the motion of {state.by} has come after it, and its own end was not heard"
 
@@ -145,18 +132,22 @@ class MotionRequester:
             return result_of(state, "lost_robot", fault, begun=self._begun)
         if not self._begun:
             late = now - self._asked_at > ANSWERS_WITHIN
-            why = f"{self._fault}; {_CHECK}" if self._fault else _NO_ANSWER
+            why = f"{self._fault}; {self._told(_CHECK)}" if self._fault else self._told(_NO_ANSWER)
             return result_of(None, "unanswered", why, begun=False) if late else None
-        return result_of(state, "unheard", _SILENT, begun=True) if now - self._heard > STATES_SILENCE else None
+        is_silent = now - self._heard > STATES_SILENCE
+        return result_of(state, "unheard", self._told(_SILENT), begun=True) if is_silent else None
 
     def _after_cancel(self, since: float, now: float) -> MotionResult | None:
         if self._asked_at <= since and now - since <= ENDS_WITHIN:
             return None
         if not self._begun:
-            return result_of(None, "cancelled", "cancelled before giraff_motion had accepted it", begun=False)
+            return result_of(None, "cancelled", self._told("cancelled before {0} had accepted it"), begun=False)
         _, why = self._lost or ("", "")
         why = why or str(self._link.link_fault(now)) or f"its end was not heard within {ENDS_WITHIN:g} s of the cancel"
         return result_of(self.state, "unheard", why, begun=True)
+
+    def _told(self, text: str) -> str:
+        return text.format(self.wish.asked.service)
 
 
 class HeldMotion:
@@ -170,15 +161,9 @@ class HeldMotion:
         requester: MotionRequester,
         ask: Callable[[Query[Any, Any], Any], RetriedRequest[Any]],
         hold: Callable[[MotionHold], object],
-        steps: Sequence[Step],
-        *limits: float | None,
     ) -> None:
-        """`ask` begins to ask giraff_motion. `hold` says that the motion is still wished.
-
-        `limits`: m/s, rad/s and s, as of `MotionRequester.ask`.
-        """
+        """`ask` begins to ask the service. `hold` says that the motion is still wished."""
         self._requester, self._ask, self._hold = requester, ask, hold
-        self._steps, self._limits = steps, limits
         self._asking: RetriedRequest[Any] | None = None
         self._cancelling: RetriedRequest[Any] | None = None
 
@@ -201,8 +186,8 @@ class HeldMotion:
             if (answer := self._asking.poll(now)) is not None:
                 requester.on_answer(answer, now)
             requester.on_fault(self._asking.fault)
-        elif (request := requester.ask(now, self._steps, *self._limits)) is not None:
-            self._asking = self._ask(MOTION_GO, request)
+        elif (request := requester.ask(now)) is not None:
+            self._asking = self._ask(requester.wish.asked.go, request)
             self._asking.poll(now)
         if (hold := requester.hold(now)) is not None:
             self._hold(hold)
@@ -212,4 +197,4 @@ class HeldMotion:
         """Let go of it, and ask for its end; `turn` tells of it."""
         request = self._requester.cancel(now)
         if self._cancelling is None:
-            self._cancelling = self._ask(MOTION_CANCEL, request)
+            self._cancelling = self._ask(self._requester.wish.asked.cancel, request)

@@ -9,7 +9,8 @@ from typing import Any, Final
 from giraff_core.kinematics.pose import Pose
 from giraff_core.kinematics.pose_history import FutureError, GapError, PastError, PoseHistory
 from giraff_core.motion.result import MotionResult
-from giraff_node.motion_client import TURN, MotionClient, Wish
+from giraff_core.motion.wish import Wish
+from giraff_node.motion_client import TURN, MotionClient
 from giraff_schemas.messages import Lease, Odometry, Range, Sample
 from giraff_schemas.motion import Step
 from giraff_schemas.services import MOTION

@@ -12,10 +12,11 @@ from giraff_schemas.topics import (
     CAMERA_ON,
     CAMERA_PICTURES,
     CMD_VEL,
+    DRIVING_QUERIES,
     MOTION_HOLD,
-    MOTION_QUERIES,
     OPERATOR_CMD_VEL,
     PARAM_QUERIES,
+    PLACES_HOLD,
     QUERIES,
     ROOT,
     TOPICS,
@@ -28,7 +29,7 @@ from giraff_schemas.topics import (
     topic_of,
 )
 
-_COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key, MOTION_HOLD.key)
+_COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key, MOTION_HOLD.key, PLACES_HOLD.key)
 _ROBOTS_OWN: Final = frozenset(
     topic.key
     for service in SERVICES
@@ -36,7 +37,7 @@ _ROBOTS_OWN: Final = frozenset(
     for topic in service.publishes
     if topic != CMD_VEL
 )
-_ASKED: Final = frozenset(query.key for query in (*QUERIES, *MOTION_QUERIES))
+_ASKED: Final = frozenset(query.key for query in (*QUERIES, *DRIVING_QUERIES))
 _ASKED_BELOW: Final = tuple(
     f"{key.split('/')[2]}/"
     for key in (alive_key("x"), health_key("x"), frame_key("x"), *(key_of("x", query) for query in PARAM_QUERIES))

@@ -11,14 +11,16 @@ from hypothesis import strategies as st
 
 from giraff_core.motion.requester import ANSWERS_WITHIN, ENDS_WITHIN, STATES_SILENCE, MotionRequester
 from giraff_core.motion.result import MotionResult, way_of
+from giraff_core.motion.wish import Wish
 from giraff_core.operator import LINK_SILENCE
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import RobotTime, Tick
-from giraff_schemas.motion import NOWHERE, MotionAnswer, MotionHold, MotionState, Move
+from giraff_schemas.motion import NOWHERE, MotionAnswer, MotionGo, MotionHold, MotionState, Move
 from giraff_schemas.trouble import Trouble
 from tests.support.motion_double import BLOCKED, motion_state
 
 WISH = 5
+AHEAD = Wish([Move(distance=1.0)], 0.3, None, 20.0)
 YES = MotionAnswer(accepted=True)
 STEP = 0.01
 
@@ -35,7 +37,7 @@ class Line:
     """A requester, a robot that ticks fifty times a second, and a motion that speaks ten times, until told not to."""
 
     def __init__(self) -> None:
-        self.it = MotionRequester(WISH, "ann@desk", "asker")
+        self.it = MotionRequester(WISH, AHEAD, "ann@desk", "asker")
         self.turns = 0
         self.ticks = self.speaks = True
         self.holds: list[tuple[float, MotionHold]] = []
@@ -69,7 +71,7 @@ class Line:
         """Ask once the robot is heard, and hear no answer."""
         self.speaks = False
         self.run(0.1)
-        assert self.it.ask(self.now, [Move(distance=1.0)]) is not None
+        assert self.it.ask(self.now) is not None
 
     def begin(self) -> None:
         """Ask, and be told yes."""
@@ -90,26 +92,26 @@ def begun(line: Line) -> Line:
 
 
 def test_it_asks_once_the_robot_is_heard_and_with_its_newest_tick(line: Line) -> None:
-    assert line.it.ask(0.0, [Move(distance=1.0)]) is None
+    assert line.it.ask(0.0) is None
     line.it.on_tick(tick(3.0), 0.1)
     line.it.on_tick(tick(3.02), 0.12)
     line.it.on_tick(tick(3.01), 0.13)
-    request = line.it.ask(0.2, [Move(distance=1.0)], 0.3, None, 20.0)
-    assert request is not None
+    request = line.it.ask(0.2)
+    assert isinstance(request, MotionGo)
     assert (request.id, request.by, request.tick) == (WISH, "ann@desk", RobotTime(epoch=1, robot_ns=3_020_000_000))
     assert (request.steps, request.speed, request.time_limit) == ((Move(distance=1.0),), 0.3, 20.0)
 
 
 def test_it_asks_nothing_of_a_robot_that_is_not_heard_any_more(line: Line) -> None:
     line.it.on_tick(tick(3.0), 0.1)
-    assert line.it.ask(0.1 + LINK_SILENCE + 0.01, [Move(distance=1.0)]) is None
+    assert line.it.ask(0.1 + LINK_SILENCE + 0.01) is None
 
 
 def test_it_holds_on_25_times_a_second_once_it_is_accepted(line: Line) -> None:
     line.speaks = False
     line.run(0.5)
     assert line.holds == []
-    line.it.ask(line.now, [Move(distance=1.0)])
+    line.it.ask(line.now)
     line.it.on_answer(YES, line.now)
     line.speaks = True
     assert line.run(4.0) is None
@@ -160,9 +162,9 @@ def test_no_hold_has_a_tick_that_was_not_heard_and_none_has_one_twice_in_a_row(
     heard: list[tuple[int, int, int]],
 ) -> None:
     """Whatever comes, in which order, and however late: ticks of several epochs at their own times."""
-    it, now = MotionRequester(WISH, "ann", "asker"), 0.0
+    it, now = MotionRequester(WISH, AHEAD, "ann", "asker"), 0.0
     it.on_tick(tick(0.001, 9), now)
-    assert it.ask(now, [Move(distance=1.0)]) is not None
+    assert it.ask(now) is not None
     it.on_answer(YES, now)
     ticks, holds = {RobotTime(epoch=9, robot_ns=1_000_000)}, list[MotionHold]()
     for epoch, robot_cs, wait in heard:

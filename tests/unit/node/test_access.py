@@ -19,13 +19,13 @@ from giraff_schemas.topics import (
     CAMERA_ON,
     CAMERA_PICTURES,
     CMD_VEL,
+    DRIVING_QUERIES,
     ESTOP,
     ESTOP_ENGAGE,
     ESTOP_RESET,
     LOCALIZATION_GLOBAL,
     LOCALIZATION_SET_POSE,
     MOTION_HOLD,
-    MOTION_QUERIES,
     ODOM_ECHOES,
     ODOM_RESET,
     ODOM_SET_POSE,
@@ -109,12 +109,12 @@ MOVING = AccessConfig(
 
 def moves(host: str, access: AccessConfig = MOVING) -> set[str]:
     """What the robot takes of this host that begins, goes on with or ends a motion, or moves the wheels by its name."""
-    asked = {query.key for query in MOTION_QUERIES if lets_in(host, "query", key_of(ROBOT, query), access)}
+    asked = {query.key for query in DRIVING_QUERIES if lets_in(host, "query", key_of(ROBOT, query), access)}
     said = (MOTION_HOLD, OPERATOR_CMD_VEL.at("motion"))
     return asked | {topic.key for topic in said if lets_in(host, "put", key_of(ROBOT, topic), access)}
 
 
-ASKS_AND_HOLDS = {*(query.key for query in MOTION_QUERIES), MOTION_HOLD.key}
+ASKS_AND_HOLDS = {*(query.key for query in DRIVING_QUERIES), MOTION_HOLD.key}
 
 
 def test_who_has_the_name_asks_for_motions_and_only_the_robot_drives_by_it() -> None:
@@ -182,7 +182,7 @@ def test_it_speaks_neither_as_the_robot_nor_as_another_operator() -> None:
     assert not lets_in("hall", "put", key_of(ROBOT, CMD_VEL), WITH_PAGE)
     robots = [service.name for service in SERVICES if service.host == "robot"]
     assert [name for name in robots if lets_in("hall", "liveliness_token", alive_key(ROBOT, name), WITH_PAGE)] == []
-    assert [query for query in MOTION_QUERIES if lets_in("hall", "query", key_of(ROBOT, query), WITH_PAGE)] == []
+    assert [query for query in DRIVING_QUERIES if lets_in("hall", "query", key_of(ROBOT, query), WITH_PAGE)] == []
 
 
 @pytest.fixture(scope="module")

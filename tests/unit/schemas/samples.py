@@ -104,6 +104,21 @@ _BOARD = {
 }
 _PLACE = {"x": 1.0, "y": 2.0, "yaw": 0.5}
 _DISPLACEMENT = {"path": 1.0, "x": 1.0, "y": 0.1, "yaw": 0.2}
+_MOTION = _START | {
+    "id": 11,
+    "by": "a script",
+    "stage": "moving",
+    "step": 1,
+    "steps": 2,
+    "asked": _DISPLACEMENT,
+    "achieved": _DISPLACEMENT,
+    "covariance": [0.0] * 6,
+    "elapsed": 1.5,
+    "time_limit": 20.0,
+    "outcome": "",
+    "sensor": "",
+    "reason": _WELL,
+}
 _SAYS = {"reason": {"what": "it is dark", "remedy": "light a fire", "action": "run", "argument": "giraff why"}}
 _TWIST = {"linear_x": 0.3, "angular_z": -0.2}
 
@@ -263,20 +278,12 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "reason": _WELL,
     },
     mo.MotionHold: _START | {"id": 11, "tick": _TIME},
-    mo.MotionState: _START
+    mo.MotionState: _MOTION,
+    pl.RouteState: _MOTION
     | {
-        "id": 11,
-        "by": "a script",
-        "stage": "moving",
-        "step": 1,
-        "steps": 2,
-        "asked": _DISPLACEMENT,
-        "achieved": _DISPLACEMENT,
-        "covariance": [0.0] * 6,
-        "elapsed": 1.5,
-        "time_limit": 20.0,
-        "outcome": "",
-        "sensor": "",
-        "reason": _WELL,
+        "place": "kitchen",
+        "goal": {"x": 1.0, "y": 2.0, "yaw": 0.5},
+        "corners": [[0.0, 0.0], [1.0, 2.0]],
+        "at": [0.5, 1.0],
     },
 }

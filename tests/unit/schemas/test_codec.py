@@ -23,9 +23,9 @@ from giraff_schemas.topics import (
     BASE,
     BATTERY,
     CMD_VEL,
+    DRIVING_QUERIES,
     ESTOP_ENGAGE,
     MOTION_CANCEL,
-    MOTION_QUERIES,
     OPERATOR_CMD_VEL,
     PARAM_QUERIES,
     QUERIES,
@@ -121,7 +121,7 @@ def test_another_format_is_refused_and_both_are_named(other: str) -> None:
     assert f"giraff.{other}' where '{encoding_of(m.Tick)}' belongs; install the same version on all mach" in message
 
 
-@pytest.mark.parametrize("query", [*QUERIES, *MOTION_QUERIES, *PARAM_QUERIES], ids=lambda query: query.key)
+@pytest.mark.parametrize("query", [*QUERIES, *DRIVING_QUERIES, *PARAM_QUERIES], ids=lambda query: query.key)
 @pytest.mark.parametrize("payload", [b"", b"\xc1", b"\x91" * 5000, None], ids=lambda payload: str(payload)[:9])
 def test_a_request_that_cannot_be_read_is_refused_but_a_stop_is_a_stop(
     query: Query[Any, Any], payload: bytes | None

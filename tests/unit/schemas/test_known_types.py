@@ -12,7 +12,7 @@ def test_every_type_of_the_wire_is_known_from_the_import_on() -> None:
     codec = module_from_spec(spec)
     spec.loader.exec_module(codec)
     known = codec._decoder.cache_info().misses
-    queries = (*topics.QUERIES, *topics.MOTION_QUERIES, *topics.PARAM_QUERIES)
+    queries = (*topics.QUERIES, *topics.DRIVING_QUERIES, *topics.PARAM_QUERIES)
     types = {topic.schema for topic in topics.TOPICS} | {health.Health, frames.Transform}
     types |= {query.request for query in queries} | {query.answer for query in queries}
     assert len(types) > 20

@@ -7,7 +7,8 @@ from contextlib import closing
 from typing import Any, Final
 
 from giraff_core.motion.result import MotionResult
-from giraff_node.motion_client import TURN, MotionClient, Wish
+from giraff_core.motion.wish import Wish
+from giraff_node.motion_client import TURN, MotionClient
 from giraff_schemas.messages import Battery, GuardedCommand, Lease, Sample, Wheels
 from giraff_schemas.motion import Move
 from giraff_schemas.topics import BATTERY, CMD_VEL, LEASE, WHEELS, Topic
