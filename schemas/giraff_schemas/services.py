@@ -188,7 +188,10 @@ PLACES: Final = Service(
     host="any",
     entry="main",
     publishes=(t.PLACES, t.ROUTE, t.MOTION_HOLD),
-    subscribes=(t.TICK, t.POSE, t.MAP, t.RANGE, t.SCAN, t.MOTION, t.PLACES, t.PLACES_HOLD),
+    subscribes=(
+        *(t.TICK, t.LEASE, t.ESTOP, t.POSE, t.MAP, t.RANGE, t.SCAN),
+        *(t.MOTION, t.PLACES, t.PLACES_HOLD),
+    ),
     answers=(t.PLACES_SET, t.PLACES_GO, t.PLACES_CANCEL),
     optional=True,
     option="localize",

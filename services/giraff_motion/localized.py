@@ -11,13 +11,12 @@ from typing import Final, NamedTuple, TypeGuard
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.kinematics.pose_history import Segment
+from giraff_core.motion.map_pose import HeardMapPose
 from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.motion import GoTo, Step
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-_HEARD: Final = 1.0
-"""s; localization tells the pose ten times a second."""
 _COUNTS: Final = 1.0
 """s of the robot's own time, from the odometry in a pose on."""
 _AHEAD: Final = 0.1
@@ -26,12 +25,6 @@ _MOST_SHIFT: Final = 0.2
 """m"""
 _MOST_TURN: Final = math.radians(10.0)
 
-_OTHERWISE: Final = "or give the point in odom"
-_NEVER: Final = Trouble("no pose on the map is heard", f"start giraff_localization, {_OTHERWISE}")
-_SILENT: Final = Trouble("no pose on the map is heard any more", f"check giraff_localization, {_OTHERWISE}")
-_TWO: Final = Trouble(
-    "two processes say where the robot is on the map", "see both with `giraff node list`, and stop one of them"
-)
 _OLD: Final = Trouble(
     "the pose on the map is from before this start of base or odometry, or old", "wait for localization"
 )
@@ -41,18 +34,13 @@ class Localized:
     """The newest pose on the map. Times are s of any one monotonic clock."""
 
     def __init__(self) -> None:
-        self._pose: MapPose | None = None
-        self._heard = -math.inf
+        self._heard = HeardMapPose()
         self._map: MapWalls | None = None
         self._segment = Segment()
-        self._disputed = -math.inf
-        """When two processes last spoke beside each other."""
 
     def on_pose(self, pose: MapPose, now: float) -> None:
         """Take where the robot is on the map."""
-        if self._pose is not None and pose.instance != self._pose.instance and now - self._heard <= _HEARD:
-            self._disputed = now
-        self._pose, self._heard = pose, now
+        self._heard.on_pose(pose, now)
 
     def hear_map(self, plan: MapWalls) -> None:
         """Keep the newest floor plan: goals are judged by it."""
@@ -65,31 +53,24 @@ class Localized:
     @property
     def odom(self) -> Pose:
         """Where `odom` is in `map`; as long as there is no `fault`."""
-        if self._pose is None:
-            raise ValueError(_NEVER)
-        return Pose(self._pose.odom.x, self._pose.odom.y, self._pose.odom.yaw)
+        if (pose := self._heard.pose) is None:
+            raise ValueError(self._heard.fault(0.0))
+        return Pose(pose.odom.x, pose.odom.y, pose.odom.yaw)
 
     def fault(self, age: Callable[[RobotTime | None], float], now: float) -> Trouble:
         """Why no motion may go by it.
 
         `age`: s that a tick is old by the robot's own time; infinite: of another start of base.
         """
-        if (pose := self._pose) is None:
-            return _NEVER
-        if now - self._heard > _HEARD:
-            return _SILENT
-        if now - self._disputed <= _HEARD:
-            return _TWO
-        if pose.state not in {"localized", "told"}:
-            unknown = f"it is not known where the robot is on the map ({pose.state})"
-            return pose.reason or Trouble(unknown, "", "run", "giraff localize")
-        if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._segment.holds(pose.tick):
-            return _OLD
-        return NO_TROUBLE
+        pose = self._heard.pose
+        if (fault := self._heard.fault(now)) or pose is None:
+            return fault
+        is_now = -_AHEAD <= age(pose.tick) <= _COUNTS and self._segment.holds(pose.tick)
+        return NO_TROUBLE if is_now else _OLD
 
     def goal_fault(self, steps: Sequence[Step]) -> Trouble:
         """Return why the robot cannot stand at a goal in `map`. Goals are not judged without the plan of the pose."""
-        plan, pose = self._map, self._pose
+        plan, pose = self._map, self._heard.pose
         if plan is None or plan.free is None or pose is None or plan.instance != pose.instance:
             return NO_TROUBLE
         return next(filter(None, (plan.free.fault(step.x, step.y) for step in steps if is_in_map(step))), NO_TROUBLE)

@@ -8,6 +8,7 @@ import math
 from typing import Final
 
 from giraff_core.live import Live
+from giraff_core.motion.timely import AHEAD, WISH_COUNTS, age_of, untimely
 from giraff_core.operator import LEVEL, Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
@@ -30,10 +31,6 @@ from giraff_schemas.motion import (
 from giraff_schemas.services import MOTION
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-_WISH_COUNTS: Final = 1.0
-"""s after which a request is too old to begin anything."""
-_AHEAD: Final = 0.1
-"""s by which a requester may have heard a newer tick than this process."""
 _HOLD_COUNTS: Final = 0.4
 """s after which the requester's last word counts for nothing: no operator's does."""
 _ODOMETRY_COUNTS: Final = 0.3
@@ -93,7 +90,7 @@ class MotionPolicy(Hand):
     def on_hold(self, hold: MotionHold) -> None:
         """Take that who has asked still wishes it."""
         motion = self._going_on
-        if motion is not None and hold.id == motion.id and -_AHEAD <= self._age(hold.tick) <= _HOLD_COUNTS:
+        if motion is not None and hold.id == motion.id and -AHEAD <= self._age(hold.tick) <= _HOLD_COUNTS:
             motion.hold(hold.tick, hold.instance)
 
     def on_odometry(self, odometry: Odometry, now: float) -> None:
@@ -171,7 +168,7 @@ class MotionPolicy(Hand):
 
     def _begin(self, request: MotionRequest, now: float) -> Trouble:
         """Why not; NO_TROUBLE: it has begun."""
-        if why := self._unfit(now) or self._untimely(request):
+        if why := self._unfit(now) or untimely(request, self.operator.tick):
             return why
         if (other := self._motion) is not None and other.stage != "ended":
             return Trouble(f"a motion of {other.by} goes on", "wait for its end, or cancel it")
@@ -188,19 +185,6 @@ class MotionPolicy(Hand):
         except ValueError as error:
             return Trouble(str(error))
         return NO_TROUBLE
-
-    def _untimely(self, request: MotionRequest) -> Trouble:
-        """Why it is no new wish of now."""
-        if request.id == 0:
-            return Trouble("its id is 0", "give a random one, other for each request")
-        if not request.instance:
-            return Trouble("its instance is empty", "give the one that its holds carry")
-        old = self._age(request.tick)
-        if -_AHEAD <= old <= _WISH_COUNTS:
-            return NO_TROUBLE
-        if math.isfinite(old) and old > 0.0:
-            return Trouble(f"it was wished {old:.1f} s ago", "ask again")
-        return Trouble("its tick is of another start of base, or of another robot", "ask again")
 
     def _unfit(self, now: float) -> Trouble:
         """What is missing of the robot."""
@@ -244,7 +228,7 @@ class MotionPolicy(Hand):
 
     def _requester_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         never = motion.tick is None
-        lost = now - motion.began > _WISH_COUNTS if never else self._age(motion.tick) > _HOLD_COUNTS
+        lost = now - motion.began > WISH_COUNTS if never else self._age(motion.tick) > _HOLD_COUNTS
         return ("lost_requester", _NO_REQUESTER) if lost else None
 
     def _lease_fault(self, motion: Goal) -> tuple[Outcome, Trouble] | None:
@@ -288,8 +272,5 @@ class MotionPolicy(Hand):
         return twist
 
     def _age(self, tick: RobotTime | None) -> float:
-        """s before the newest tick that was heard, negative when it is newer; infinite: of another clock."""
-        newest = self.operator.tick
-        if tick is None or newest is None or tick.epoch != newest.epoch:
-            return math.inf
-        return (newest.robot_ns - tick.robot_ns) * 1e-9
+        """Return the age of a tick, s, by the newest that was heard."""
+        return age_of(tick, self.operator.tick)

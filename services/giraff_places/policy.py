@@ -4,11 +4,12 @@ import math
 import shlex
 from typing import Final, NamedTuple
 
+from giraff_core.motion.map_pose import HeardMapPose
 from giraff_core.robot import RobotConfig
 from giraff_maps.floor_plan import FloorPlan
 from giraff_maps.places_file import KnownPlaces
 from giraff_places.route.planner import RoutePlanner
-from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
+from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.places import (
     LONGEST_NAME,
     MOST,
@@ -23,8 +24,6 @@ from giraff_schemas.places import (
 from giraff_schemas.text import brief, meant
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-_FRESH: Final = 1.0
-"""s; localization tells the pose ten times a second."""
 _SILENT: Final = 3.0
 """s without a sample after which localization, or another giraff_places, counts as gone."""
 _LINE: Final = "line-"
@@ -33,10 +32,6 @@ _SHOWN: Final = 10
 
 _UNHEARD: Final = Trouble(
     "localization is not heard", "wait 5 s where it has just begun, or check that giraff_localization runs"
-)
-_NO_POSE: Final = Trouble("no pose on the map is heard", "check giraff_localization, or give the pose")
-_TWO: Final = Trouble(
-    "two processes say where the robot is on the map", "see both with `giraff node list`, and stop one of them"
 )
 _TWICE: Final = Trouble(
     "two processes keep the places of this robot", "see both with `giraff node list`, and stop one of them"
@@ -65,17 +60,15 @@ class PlacesPolicy:
     def __init__(self, source: PlanFile | Trouble, robot: RobotConfig) -> None:
         """`source`: the plan, or why there is none. Raises MapError for a plan that is too large."""
         self._source = source
-        self._planner = None
+        self.planner: RoutePlanner | None = None
+        """None: there is no plan."""
         if isinstance(source, PlanFile):
-            self._planner = RoutePlanner(source.plan, robot.footprint_radius, robot.passage_radius)
+            self.planner = RoutePlanner(source.plan, robot.footprint_radius, robot.passage_radius)
         self.known = KnownPlaces()
         self.file_fault = NO_TROUBLE
         """Cause, where the file of the places cannot be read now."""
         self._walls: MapWalls | None = None
-        self._pose: MapPose | None = None
-        self._heard = -math.inf
-        self._disputed = -math.inf
-        """Moment when two processes last told the pose beside each other."""
+        self._heard = HeardMapPose()
         self._shared = -math.inf
         """Moment when another giraff_places was last heard."""
 
@@ -85,9 +78,7 @@ class PlacesPolicy:
 
     def on_pose(self, pose: MapPose, now: float) -> None:
         """Take where the robot is."""
-        if self._pose is not None and pose.instance != self._pose.instance and now - self._heard <= _FRESH:
-            self._disputed = now
-        self._pose, self._heard = pose, now
+        self._heard.on_pose(pose, now)
 
     def on_other(self, now: float) -> None:
         """Take that another process keeps places of this robot, too."""
@@ -112,10 +103,10 @@ class PlacesPolicy:
         return self.file_fault or self._plan_fault(self._source, now)
 
     def _plan_fault(self, source: PlanFile, now: float) -> Trouble:
-        walls, pose = self._walls, self._pose
-        if now - self._disputed <= _FRESH:
-            return _TWO
-        if walls is None or pose is None or now - self._heard > _SILENT or pose.instance != walls.instance:
+        walls, pose = self._walls, self._heard.pose
+        if dispute := self._heard.dispute(now):
+            return dispute
+        if walls is None or pose is None or now - self._heard.heard > _SILENT or pose.instance != walls.instance:
             return _UNHEARD
         if not walls.walls:
             return Trouble("localization has no floor plan", "", "run", "giraff localize --for 1")
@@ -125,6 +116,18 @@ class PlacesPolicy:
                 "give both the same `map` of [localization], and restart them",
             )
         return NO_TROUBLE
+
+    def pose(self, now: float) -> MapPose | Trouble:
+        """Return where the robot is, or why that is not known."""
+        pose = self._heard.pose
+        if (fault := self._heard.fault(now)) or pose is None:
+            return fault
+        return pose
+
+    def goal(self, name: str) -> Place | Trouble:
+        """Return the place of this name, or that there is none."""
+        named = [place for place in self.known.places if place.name == name]
+        return named[0] if named else _unknown("no place is called", name, [place.name for place in self.known.places])
 
     def changed(self, change: PlaceChange, now: float) -> Changed | Trouble:
         """Return what a change makes of the known places, or why it is refused."""
@@ -150,7 +153,7 @@ class PlacesPolicy:
             return taken
         if len(places) >= MOST:
             return _FULL
-        pose = change.pose or self._pose_now(now)
+        pose = change.pose or self.pose(now)
         if isinstance(pose, Trouble):
             return pose
         x, y = _mm(pose.x), _mm(pose.y)
@@ -163,8 +166,7 @@ class PlacesPolicy:
     def _removed(self, name: str) -> Changed | Trouble:
         there = self._names()
         if name not in there:
-            others = meant(name, there) or (f"there are {', '.join(there[:_SHOWN])}" if there else "there are none yet")
-            return Trouble(f"no place and no line is called {brief(name, LONGEST_NAME)}", others.strip())
+            return _unknown("no place and no line is called", name, there)
         places = tuple(place for place in self.known.places if place.name != name)
         no_go = tuple(line for line in self.known.no_go if line.name != name)
         return Changed(name, KnownPlaces(places, no_go))
@@ -198,19 +200,14 @@ class PlacesPolicy:
             return Trouble(f"{name} is a no-go line already", "", "run", remove)
         return NO_TROUBLE
 
-    def _pose_now(self, now: float) -> PlanarPose | Trouble:
-        """Return where the robot is, or why that is not known."""
-        pose = self._pose
-        if pose is None or now - self._heard > _FRESH:
-            return _NO_POSE
-        if pose.state not in {"localized", "told"}:
-            unknown = f"it is not known where the robot is on the map ({pose.state})"
-            return pose.reason or Trouble(unknown, "", "run", "giraff localize")
-        return PlanarPose(x=pose.x, y=pose.y, yaw=pose.yaw)
-
     def _standing_fault(self, x: float, y: float) -> Trouble:
         """Return why the robot cannot stand and turn there."""
-        return NO_TROUBLE if self._planner is None else self._planner.place_fault(x, y)
+        return NO_TROUBLE if self.planner is None else self.planner.place_fault(x, y)
+
+
+def _unknown(what: str, name: str, there: list[str]) -> Trouble:
+    others = meant(name, there) or (f"there are {', '.join(there[:_SHOWN])}" if there else "there are none yet")
+    return Trouble(f"{what} {brief(name, LONGEST_NAME)}", others.strip())
 
 
 def _mm(metres: float) -> float:

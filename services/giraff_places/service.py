@@ -1,25 +1,49 @@
-"""Places: `map`, `pose` and a file to `places`. It is no part of what keeps the robot from obstacles."""
+"""Places: `map`, `pose` and a file to `places`, and routes to motions. The guard keeps the robot from obstacles."""
 
+import math
 from collections import deque
-from typing import Final
+from typing import Any, Final
 
 from giraff_core.io import IO
+from giraff_core.retry import RetriedRequest
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Timer
+from giraff_core.timer import EarlyTimer, Timer
 from giraff_maps.floor_plan import MapError
 from giraff_maps.places_file import PlacesStore
 from giraff_places.config import PlacesConfig
+from giraff_places.driving.driving import Driving, Motions
 from giraff_places.policy import PlacesPolicy, PlanFile
-from giraff_schemas.places import NO_ROUTE, PlacesAnswer, PlacesSet
-from giraff_schemas.topics import MAP, PLACES, PLACES_SET, POSE, ROUTE
+from giraff_schemas.places import PlacesAnswer, PlacesSet
+from giraff_schemas.topics import (
+    ESTOP,
+    LEASE,
+    MAP,
+    MOTION,
+    MOTION_HOLD,
+    PLACES,
+    PLACES_CANCEL,
+    PLACES_GO,
+    PLACES_HOLD,
+    PLACES_SET,
+    POSE,
+    RANGE,
+    ROUTE,
+    SCAN,
+    TICK,
+    Query,
+)
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _REMEMBERED: Final = 64
 """Changes that are made once."""
+_LATE: Final = 50
+"""Holds between two turns of which none is left out."""
+_TURNS: Final = 50.0
+"""Hz; of a route."""
 
 
 class Places:
-    """Reads `map`, `pose` and the file beside the floor plan; writes `places`, and that file."""
+    """Reads `map`, `pose` and the file beside the floor plan; writes `places`, and that file. Drives one route."""
 
     link = None
 
@@ -35,13 +59,23 @@ class Places:
         del config
         self._io, self._store = io, store
         self._policy = PlacesPolicy(source, robot)
-        # Each pose wakes it: how fresh one is, it knows by when it came.
+        self._motion_holds = io.publisher(MOTION_HOLD)
+        motions = Motions(self._ask, self._motion_holds.put, io.token, io.instance)
+        self._driving = Driving(self._policy, robot, motions)
+        # Each pose wakes it: how fresh one is, it knows by when it came. A hold wakes it, since it is passed on.
         self._poses, self._maps = io.inbox(POSE, limit=10), io.inbox(MAP, limit=1, wakes=False)
         self._others = io.inbox(PLACES, limit=10, wakes=False)
-        self._requests = io.requests(PLACES_SET)
+        self._holds = io.inbox(PLACES_HOLD, limit=_LATE)
+        self._ticks, self._leases = io.inbox(TICK, limit=1, wakes=False), io.inbox(LEASE, limit=10, wakes=False)
+        self._estops, self._motions = io.inbox(ESTOP, limit=10, wakes=False), io.inbox(MOTION, limit=20, wakes=False)
+        self._senses = (io.inbox(RANGE, limit=20, wakes=False), io.inbox(SCAN, limit=2, wakes=False))
+        self._requests, self._gos = io.requests(PLACES_SET), io.requests(PLACES_GO)
+        self._cancels = io.requests(PLACES_CANCEL)
         self._places = io.publisher(PLACES)
         self._routes = io.publisher(ROUTE)
-        self._timer, self._route_timer = self.timers = Timer(PLACES.rate_hz), Timer(ROUTE.rate_hz)
+        self._timer, self._route_timer, self._pace = Timer(PLACES.rate_hz), EarlyTimer(ROUTE.rate_hz), _Pace(_TURNS)
+        self.timers = (self._timer, self._route_timer, self._pace)
+        self._told: tuple[object, ...] = ()
         self._made: deque[tuple[int, PlacesAnswer]] = deque(maxlen=_REMEMBERED)
 
     def turn(self, now: float) -> None:
@@ -50,6 +84,7 @@ class Places:
             policy.on_map(walls)
         for pose in self._poses.pop_all():
             policy.on_pose(pose, now)
+            self._driving.on_pose(pose)
         if any(places.instance != self._io.instance for places in self._others.pop_all()):
             policy.on_other(now)
         known = policy.known
@@ -60,12 +95,49 @@ class Places:
             asked.answer(self._on_set(asked.request, now))
         if is_due or policy.known != known:
             self._places.put(policy.places(now))
-        if self._route_timer.due(now):
-            self._routes.put(NO_ROUTE)
+        self._drive(now)
         self._io.set_fault("plan", policy.no_plan)
         self._io.set_fault("file", policy.file_fault)
         is_whole = not (policy.no_plan or policy.file_fault)
         self._io.set_notice("localization", policy.reason(now) if is_whole else NO_TROUBLE)
+
+    def _drive(self, now: float) -> None:
+        """Have the route go on, and tell of it."""
+        driving = self._driving
+        self._read_inboxes(now)
+        for go in self._gos.pop_all():
+            go.answer(driving.on_request(go.request, now))
+        for cancel in self._cancels.pop_all():
+            cancel.answer(driving.on_cancel(cancel.request, now))
+        self._pace.due(now)
+        driving.turn(now)
+        self._pace.runs = driving.is_active
+        state = driving.state(now)
+        news = state.id, state.stage, state.outcome, state.reason, state.corners
+        if news != self._told:
+            self._told = news
+            self._route_timer.fire_now("news", now)
+        if self._route_timer.due(now):
+            self._routes.put(state)
+
+    def _read_inboxes(self, now: float) -> None:
+        driving = self._driving
+        for tick in self._ticks.pop_all():
+            driving.on_tick(tick, now)
+        for lease in self._leases.pop_all():
+            driving.on_lease(lease, now)
+        for estop in self._estops.pop_all():
+            driving.on_estop(estop, now)
+        for state in self._motions.pop_all():
+            driving.on_state(state, now)
+        for sense in self._senses:
+            for sample in sense.pop_all():
+                driving.on_sample(sample, now)
+        for hold in self._holds.pop_all():
+            driving.on_hold(hold, now)
+
+    def _ask(self, query: Query[Any, Any], request: Any) -> RetriedRequest[Any]:
+        return self._io.ask(query, request, lambda _: True)
 
     def end(self) -> None:
         """Nothing is left to say."""
@@ -96,6 +168,15 @@ class Places:
         answer = PlacesAnswer(done=True, name=changed.name)
         self._made.append((request.id, answer))
         return answer
+
+
+class _Pace(Timer):
+    """Turns while a route goes on, and none else."""
+
+    runs = False
+
+    def wait(self, now: float) -> float:
+        return super().wait(now) if self.runs else math.inf
 
 
 def _refused(reason: Trouble) -> PlacesAnswer:

@@ -83,11 +83,12 @@ class RoutePlanner:
         self._plan = plan
         self._footprint = footprint_radius
         self._needs = passage_radius
-        self._floor = Floor.of(plan, passage_radius + _COMFORT)
+        self.floor = Floor.of(plan, passage_radius + _COMFORT)
+        """Of the plan alone."""
 
     def place_fault(self, x: float, y: float) -> Trouble:
         """Return why the robot cannot stand, and turn, at a place of `map`, m."""
-        room, needs = self._floor.near(x, y), max(self._footprint + _BESIDE, _LEAST + SPOT)
+        room, needs = self.floor.near(x, y), max(self._footprint + _BESIDE, _LEAST + SPOT)
         if room >= needs - SPOT:
             return NO_TROUBLE
         left, bottom, right, top = self._plan.bounds
@@ -106,7 +107,7 @@ class RoutePlanner:
         if trouble := self.place_fault(goal.x, goal.y):
             return NoRoute("no_room", trouble, goal.x, goal.y)
         lines = [(line.x, line.y, line.end_x, line.end_y) for line in no_go]
-        open_floor = self._floor.with_walls(things) if things else self._floor
+        open_floor = self.floor.with_walls(things) if things else self.floor
         if open_floor.near(start.x, start.y) < _LEAST:
             return NoRoute("no_way", _IN_A_WALL, start.x, start.y)
         floor = open_floor.with_walls(lines) if lines else open_floor

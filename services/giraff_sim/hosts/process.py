@@ -271,10 +271,8 @@ class Process:
         if self._leaves:
             self.terminate()
             return
-        wait_us = _LONGEST_WAIT_US
-        for timer in self._service.timers:
-            wait_us = min(wait_us, int(timer.wait(now) * 1e6) + 1)
-        self.wake(now_us + wait_us)
+        wait = min((timer.wait(now) for timer in self._service.timers), default=1.0)
+        self.wake(now_us + min(_LONGEST_WAIT_US, int(min(wait, 1.0) * 1e6) + 1))
 
 
 class Request:

@@ -1,0 +1,1 @@
+"""Has the robot go along a route: what is in its way, when it waits, and why it ends."""

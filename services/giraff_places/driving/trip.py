@@ -1,0 +1,376 @@
+"""One route, driven leg by leg, from its request to its end. No I/O and no clock.
+
+Each leg is a motion that is asked of giraff_motion as anybody asks for one. It is held with the ticks that the route's
+own requester has sent, and with no other: a requester that is gone stops the robot as a hand that is gone does. The
+guard alone decides what is safe.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
+
+from giraff_core.kinematics.differential_drive import CREEP
+from giraff_core.kinematics.pose import Pose
+from giraff_core.motion.requester import HeldMotion, MotionRequester
+from giraff_core.motion.wish import Wish
+from giraff_core.operator import LINK_SILENCE
+from giraff_core.retry import RetriedRequest
+from giraff_places.route.planner import NoRoute, Route
+from giraff_schemas.localization import MapPose
+from giraff_schemas.messages import EStop, Tick
+from giraff_schemas.motion import NOWHERE, Displacement, GoTo, MotionHold, MotionState, Outcome, Stage, Step, Turn
+from giraff_schemas.places import Goal, PlacesGo, RouteState
+from giraff_schemas.services import MOTION
+from giraff_schemas.text import brief
+from giraff_schemas.topics import Query
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
+
+WAITS: Final = 5.0
+"""s before another way is planned: a person may step aside."""
+TRIES: Final = 5
+"""Ways that are planned anew on one route."""
+ANNOUNCES: Final = 1.0
+"""s for which it says that it goes on, before it does."""
+CAREFUL: Final = 0.3
+"""m at creep after a wait."""
+_CREEP_TURN: Final = 0.35
+"""rad/s; the guard's own creep, unless somebody has set it lower."""
+_HELD_WITHIN: Final = 1.0
+"""s from the acceptance to the requester's first hold."""
+_STUCK: Final = 8.0
+"""s in which it must come 0.1 m, or turn by 10 degrees, while nothing blocks its way for long."""
+_COMES: Final = 0.1
+"""m"""
+_TURNS: Final = math.radians(10.0)
+_SETTLES: Final = 1.0
+"""s at rest at the goal, until localization has caught up."""
+_UNSURE: Final = 0.25
+"""m, standard deviation from which it creeps."""
+_DOUBTFUL: Final = (0.2, math.radians(8.0))
+"""m and rad, standard deviations with which it has not arrived."""
+_NEAR: Final = (0.08, math.radians(3.0))
+"""m and rad from the goal that need no correction."""
+_AT_GOAL: Final = (0.25, math.radians(15.0))
+"""m and rad from the goal at most, by localization, of a robot that has arrived."""
+_CORRECTIONS: Final = 2
+_LEAST_LEG: Final = 0.03
+"""m"""
+_LONGEST_NAME: Final = 100
+_LONGEST_LEG: Final = 600.0
+"""s; the robot is given up when it is stuck, long before."""
+
+_NOT_HELD: Final = Trouble("who asked for it does not say any more that it is wished", "check its link and its program")
+_GOES_ON: Final = Trouble("it goes on slowly in a second")
+_LOOKS: Final = Trouble("it turns round once in a second, to see where it is")
+_STOPPED: Final = Trouble("the robot comes no nearer", "see what holds it, or what its sensors see")
+_NOT_THERE: Final = Trouble(
+    "it cannot be told where on the map the robot has stopped", "say where it is", "run", "giraff localize --at X,Y,YAW"
+)
+_LIKE_MOTION: Final[dict[str, Outcome]] = {
+    "cancelled": "cancelled",
+    "lost_lease": "lost_lease",
+    "lost_requester": "lost_requester",
+    "lost_odometry": "lost_odometry",
+}
+
+
+class Robot(NamedTuple):
+    """What a trip asks, and of whom."""
+
+    pose: Callable[[float], MapPose | Trouble]
+    """Returns where the robot is at a moment, or why that is not known."""
+    plan: Callable[[Goal, float, bool], Route | NoRoute | Trouble]
+    """Returns the way to a goal. True: not through what is seen there now."""
+    seen: Callable[[float], tuple[float, float] | None]
+    """Returns where on the map something stands before the robot."""
+    ask: Callable[[Query[Any, Any], Any], RetriedRequest[Any]]
+    hold: Callable[[MotionHold], object]
+    token: Callable[[], int]
+    instance: str
+
+
+class Trip:
+    """Times are s of any one monotonic clock."""
+
+    def __init__(self, request: PlacesGo, place: str, goal: Goal, robot: Robot, now: float) -> None:
+        self.id = request.id
+        self.by = brief(request.by, _LONGEST_NAME)
+        self.stage: Stage = "arming"
+        self.outcome: Outcome = ""
+        self.reason = NO_TROUBLE
+        self.at: tuple[float, float] | None = None
+        """m, in `map`; of what is in the way, or where it has ended."""
+        self._owner = request.instance
+        self._place, self._goal, self._robot = place, goal, robot
+        self._began = self._ended_at = now
+        self._held_at: float | None = None
+        self._corners: tuple[tuple[float, float], ...] = ()
+        self._way = self._length = 0.0
+        self._legs = 0
+        self._requester: MotionRequester | None = None
+        self._motion: HeldMotion | None = None
+        self._next: Callable[[float], None] | None = self._plan
+        """Step to do at `_due`, while no motion goes on."""
+        self._due = now
+        self._done: Callable[[float], None] = self._plan
+        """Step to do when the motion has arrived."""
+        self._tries = self._corrections = 0
+        self._careful = self._leg = 0.0
+        """m still to go at creep, and m of this leg."""
+        self._has_looked = False
+        self._anchor: tuple[Pose, float] | None = None
+        """Where it last was when it had come on, and when."""
+        self._stuck = NO_TROUBLE
+        """Cause, where a motion was ended because the robot came nowhere."""
+        self._pose: MapPose | None = None
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether it has not ended."""
+        return not self.outcome
+
+    def on_hold(self, hold: MotionHold, now: float) -> None:
+        """Take that the requester still wishes it. Its tick is passed on as it is, and never a newer one."""
+        if self.outcome or hold.id != self.id or hold.instance != self._owner:
+            return
+        self._held_at = now
+        if self._requester is not None:
+            self._requester.on_tick(Tick(epoch=hold.tick.epoch, robot_ns=hold.tick.robot_ns), now)
+
+    def on_state(self, state: MotionState, now: float) -> None:
+        """Take how the motion goes."""
+        if self._requester is not None:
+            self._requester.on_state(state, now)
+
+    def cancel(self, by: str, now: float) -> None:
+        """End it, whoever asks for it."""
+        self._end("cancelled", Trouble(f"cancelled by {brief(by, _LONGEST_NAME)}"), now)
+
+    def on_lease(self, driver: str, now: float) -> None:
+        """Take who drives. Whoever has taken the robot while it waits has ended it."""
+        if self._motion is None and driver not in ("", MOTION.name):
+            self._end("lost_lease", Trouble(f"{driver} drives", "ask again when it rests"), now)
+
+    def on_estop(self, estop: EStop, now: float) -> None:
+        """Take a stop: its release must not have the robot go on."""
+        if estop.engaged:
+            self._end("disarmed", estop.reason.of(f"emergency stop, engaged by {estop.by}"), now)
+
+    def turn(self, now: float) -> None:
+        """Do what is due."""
+        if (pose := self._robot.pose(now)) and isinstance(pose, MapPose):
+            self._pose = pose
+        if self.goes_on and now - (self._began if self._held_at is None else self._held_at) > (
+            _HELD_WITHIN if self._held_at is None else LINK_SILENCE
+        ):
+            self._end("lost_requester", _NOT_HELD, now)
+        if self._motion is not None:
+            self._follow(self._motion, now)
+        elif self.goes_on and self._next is not None and now >= self._due and self._held_at is not None:
+            self._next(now)
+        if self.outcome and self._motion is None:
+            self.stage = "ended"
+
+    def state(self, now: float) -> RouteState:
+        """Return it as it is told."""
+        pose, way = self._pose, self._way + self._come
+        return RouteState(
+            id=self.id,
+            by=self.by,
+            stage=self.stage,
+            step=self._legs,
+            steps=self._legs + max(0, len(self._corners) - 2),
+            asked=_path(self._way + self._length),
+            achieved=_path(min(way, self._way + self._length)),
+            covariance=NO_COVARIANCE if pose is None else pose.covariance,
+            elapsed=(now if self.goes_on else self._ended_at) - self._began,
+            time_limit=0.0,
+            outcome=self.outcome,
+            sensor="",
+            reason=self.reason,
+            place=self._place,
+            goal=self._goal,
+            corners=self._corners,
+            at=self.at,
+        )
+
+    @property
+    def _come(self) -> float:
+        """m that the robot has come on this leg."""
+        return math.dist(self._corners[0], (self._pose.x, self._pose.y)) if self._corners and self._pose else 0.0
+
+    def _plan(self, now: float) -> None:
+        """Plan the way from here, and go its first leg, or wait."""
+        pose = self._robot.pose(now)
+        if isinstance(pose, Trouble):
+            self._look_round(pose, now)
+            return
+        was_blocked = self._tries > 0 and self.stage == "waiting"
+        found = self._robot.plan(self._goal, now, True)
+        if isinstance(found, NoRoute) and not was_blocked:  # what stands there may be gone when the robot comes
+            found = self._robot.plan(self._goal, now, False)
+        if isinstance(found, Trouble):
+            self._end("lost_localization", found, now)
+        elif isinstance(found, NoRoute) and was_blocked:
+            self._wait(Trouble(f"no other way: {found.trouble.what}", found.trouble.remedy), self.at, now)
+        elif isinstance(found, NoRoute):
+            self.at = found.x, found.y
+            self._end(found.reason, found.trouble, now)
+        else:
+            self._way += self._come
+            self._corners, self._length = found.corners, found.length
+            self._announced(self._go_leg, _GOES_ON, now) if was_blocked else self._go_leg(now)
+
+    def _announced(self, step: Callable[[float], None], words: Trouble, now: float) -> None:
+        """Move by a step that is said before it is done, and slowly at first."""
+        self._careful = CAREFUL
+        self.stage, self.reason = "waiting", words
+        self._next, self._due = step, now + ANNOUNCES
+
+    def _go_leg(self, now: float) -> None:
+        pose = self._robot.pose(now)
+        if isinstance(pose, Trouble):
+            self._look_round(pose, now)
+            return
+        here, (x, y) = Pose(pose.x, pose.y, pose.yaw), self._corners[min(1, len(self._corners) - 1)]
+        if (far := math.dist((here.x, here.y), (x, y))) <= _LEAST_LEG:
+            self._turn_at_goal(now) if len(self._corners) <= 2 else self._plan_on(now)
+            return
+        part = 1.0 if self._careful <= 0.0 else min(1.0, self._careful / far)
+        self._leg = part * far
+        step = GoTo(x=here.x + part * (x - here.x), y=here.y + part * (y - here.y), frame="map")
+        is_last = len(self._corners) <= 2 and part == 1.0
+        self._ask(step, self._turn_at_goal if is_last else self._plan_on)
+
+    def _plan_on(self, now: float) -> None:
+        """Go on from the end of a leg."""
+        self._careful, self._leg = max(0.0, self._careful - self._leg), 0.0
+        self._plan(now)
+
+    def _turn_at_goal(self, now: float) -> None:
+        pose, yaw = self._robot.pose(now), self._goal.yaw
+        if yaw is None or isinstance(pose, Trouble) or abs(math.remainder(yaw - pose.yaw, math.tau)) < _NEAR[1]:
+            self._settle(now)
+        else:
+            self._ask(Turn(angle=math.remainder(yaw - pose.yaw, math.tau)), self._settle)
+
+    def _settle(self, now: float) -> None:
+        self._next, self._due = self._judge, now + _SETTLES
+
+    def _judge(self, now: float) -> None:
+        """Tell whether it is there, once localization has caught up."""
+        pose = self._robot.pose(now)
+        if isinstance(pose, Trouble) or _is_doubtful(pose):
+            self._look_round(pose if isinstance(pose, Trouble) else _NOT_THERE, now)
+            return
+        off = math.dist((pose.x, pose.y), (self._goal.x, self._goal.y))
+        turned = 0.0 if self._goal.yaw is None else abs(math.remainder(self._goal.yaw - pose.yaw, math.tau))
+        if (off > _NEAR[0] or turned > _NEAR[1]) and self._corrections < _CORRECTIONS:
+            self._corrections += 1
+            self._plan(now)
+        elif off <= _AT_GOAL[0] and turned <= _AT_GOAL[1]:
+            self._end("arrived", NO_TROUBLE, now)
+        else:
+            self._end("lost_localization", _NOT_THERE, now)
+
+    def _look_round(self, why: Trouble, now: float) -> None:
+        """Turn round once, so that localization sees more: then go on, or end."""
+        if self._has_looked:
+            self._end("lost_localization", why, now)
+            return
+        self._has_looked = True
+        self._announced(lambda _: self._ask(Turn(angle=math.tau), self._plan_on), _LOOKS.of(str(why)), now)
+
+    def _ask(self, step: Step, done: Callable[[float], None]) -> None:
+        """Ask for one motion."""
+        creeps = self._careful > 0.0 or self._is_unsure
+        wish = Wish(
+            (step,), CREEP if creeps else None, _CREEP_TURN if self._careful > 0.0 else None, time_limit=_LONGEST_LEG
+        )
+        self._requester = MotionRequester(self._robot.token(), wish, self.by, self._robot.instance)
+        self._motion = HeldMotion(self._requester, self._robot.ask, self._robot.hold)
+        self._done, self._anchor, self._stuck = done, None, NO_TROUBLE
+        self._legs += isinstance(step, GoTo)
+        self.stage, self.reason, self.at = "moving", NO_TROUBLE, None
+
+    @property
+    def _is_unsure(self) -> bool:
+        return self._pose is not None and max(self._pose.standard_deviations[:2]) > _UNSURE
+
+    def _follow(self, motion: HeldMotion, now: float) -> None:
+        """Have the motion go on, and go by its end."""
+        result = motion.turn(now)
+        if result is None:
+            state = None if self._requester is None else self._requester.state
+            if self.goes_on:
+                self.reason = NO_TROUBLE if state is None else state.reason
+            if self.goes_on and not self._stuck and self._is_held_up(now):
+                self._stuck = self.reason or _STOPPED
+                motion.cancel(now)
+            return
+        self._motion = self._requester = None
+        if not self.goes_on:
+            return
+        why = self._stuck or Trouble(result.reason)
+        match "blocked" if self._stuck and not result.arrived else result.outcome:
+            case "arrived":
+                self._done(now)
+            case "blocked" | "time_limit":
+                self._wait(why, self._in_the_way(now), now)
+            case "lost_localization":
+                self._look_round(why, now)
+            case "lost_robot":  # it is heard by the requester's ticks alone
+                self._end("lost_requester", _NOT_HELD, now)
+            case ending:
+                self._end(_LIKE_MOTION.get(ending, "disarmed"), why, now)
+
+    def _is_held_up(self, now: float) -> bool:
+        """Whether the robot has come nowhere for too long."""
+        if (pose := self._pose) is None:
+            return False
+        here = Pose(pose.x, pose.y, pose.yaw)
+        if self._anchor is None or _has_come(self._anchor[0], here):
+            self._anchor = here, now
+        return now - self._anchor[1] > _STUCK
+
+    def _in_the_way(self, now: float) -> tuple[float, float] | None:
+        here = None if self._pose is None else (self._pose.x, self._pose.y)
+        return self._robot.seen(now) or here
+
+    def _wait(self, why: Trouble, at: tuple[float, float] | None, now: float) -> None:
+        """Wait for what is in the way to go, then plan anew; the last time, end."""
+        self.at = at
+        if self._tries >= TRIES:
+            self._end("blocked", why, now)
+            return
+        self._tries += 1
+        self.stage, self.reason = "waiting", why
+        self._next, self._due = self._plan, now + WAITS
+
+    def _end(self, outcome: Outcome, reason: Trouble, now: float) -> None:
+        """For good; the motion is ended, too."""
+        if self.outcome:
+            return
+        self.outcome, self.reason, self._ended_at, self.stage = outcome, reason, now, "stopping"
+        self._next = None
+        if self.at is None and self._pose is not None:
+            self.at = self._pose.x, self._pose.y
+        if self._motion is not None:
+            self._motion.cancel(now)
+
+
+NO_COVARIANCE: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def _path(metres: float) -> Displacement:
+    return Displacement(path=metres, x=NOWHERE.x, y=NOWHERE.y, yaw=NOWHERE.yaw)
+
+
+def _is_doubtful(pose: MapPose) -> bool:
+    x, y, yaw = pose.standard_deviations
+    return max(x, y) > _DOUBTFUL[0] or yaw > _DOUBTFUL[1]
+
+
+def _has_come(last: Pose, here: Pose) -> bool:
+    turned = abs(math.remainder(here.yaw - last.yaw, math.tau))
+    return math.dist(last[:2], here[:2]) > _COMES or turned > _TURNS
