@@ -51,6 +51,8 @@ _STEP: Final = 0.1
 """s"""
 _TOLD: Final = 0.1
 """m, and rad: standard deviation of where somebody says that the robot is."""
+_ROOM: Final = 0.65
+"""m about a goal: the guard lets the robot come to it from each side."""
 _LONGEST: Final = 400.0
 """s of a route."""
 LOCALIZATION: Final = LocalizationConfig()
@@ -80,9 +82,7 @@ class Walker:
         )
 
     def tell_pose(self, pose: Pose) -> None:
-        told = LocalizationSetPose(
-            by="a script", id=1, x=pose.x, y=pose.y, yaw=pose.yaw, position_sd=_TOLD, yaw_sd=_TOLD
-        )
+        told = LocalizationSetPose(by="a script", id=1, x=pose.x, y=pose.y, yaw=pose.yaw)
         self._telling = self._process.ask(LOCALIZATION_SET_POSE, told, lambda _: True)
         self._telling.poll(self._process.monotonic())
 
@@ -221,7 +221,7 @@ def goal_of(here: Floor, world: str, seed: int, start: Pose) -> Goal:
     while True:
         x, y = here.middle(chance.choice(cells))
         goal = MapPlace(x, y, chance.uniform(-math.pi, math.pi))
-        has_room = planner.floor.near(x, y) >= ROBOT.passage_radius
+        has_room = planner.floor.near(x, y) >= _ROOM
         if has_room and math.dist((x, y), start[:2]) > 2.0 and isinstance(planner.route(MapPlace(*start), goal), Route):
             return Goal(x=x, y=y, yaw=goal.yaw)
 

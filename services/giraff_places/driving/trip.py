@@ -118,8 +118,8 @@ class Trip:
         self._careful = self._leg = 0.0
         """m still to go at creep, and m of this leg."""
         self._has_looked = False
-        self._anchor: tuple[Pose, float] | None = None
-        """Where it last was when it had come on, and when."""
+        self._anchor: tuple[Displacement, float] | None = None
+        """Displacement of the motion when the robot had last come on, and when."""
         self._stuck = NO_TROUBLE
         """Cause, where a motion was ended because the robot came nowhere."""
         self._pose: MapPose | None = None
@@ -294,6 +294,12 @@ class Trip:
         self.stage, self.reason, self.at = "moving", NO_TROUBLE, None
 
     @property
+    def _is_at_goal(self) -> bool:
+        """Whether it stands so near the goal that it need not come nearer."""
+        pose, goal = self._pose, self._goal
+        return pose is not None and math.dist((pose.x, pose.y), (goal.x, goal.y)) <= _AT_GOAL[0]
+
+    @property
     def _is_unsure(self) -> bool:
         return self._pose is not None and max(self._pose.standard_deviations[:2]) > _UNSURE
 
@@ -304,7 +310,7 @@ class Trip:
             state = None if self._requester is None else self._requester.state
             if self.goes_on:
                 self.reason = NO_TROUBLE if state is None else state.reason
-            if self.goes_on and not self._stuck and self._is_held_up(now):
+            if self.goes_on and not self._stuck and state is not None and self._is_held_up(state.achieved, now):
                 self._stuck = self.reason or _STOPPED
                 motion.cancel(now)
             return
@@ -315,6 +321,9 @@ class Trip:
         match "blocked" if self._stuck and not result.arrived else result.outcome:
             case "arrived":
                 self._done(now)
+            case "blocked" if self._is_at_goal:
+                self._corrections = _CORRECTIONS
+                self._turn_at_goal(now)
             case "blocked" | "time_limit":
                 self._wait(why, self._in_the_way(now), now)
             case "lost_localization":
@@ -324,13 +333,10 @@ class Trip:
             case ending:
                 self._end(_LIKE_MOTION.get(ending, "disarmed"), why, now)
 
-    def _is_held_up(self, now: float) -> bool:
+    def _is_held_up(self, achieved: Displacement, now: float) -> bool:
         """Whether the robot has come nowhere for too long."""
-        if (pose := self._pose) is None:
-            return False
-        here = Pose(pose.x, pose.y, pose.yaw)
-        if self._anchor is None or _has_come(self._anchor[0], here):
-            self._anchor = here, now
+        if self._anchor is None or _has_come(self._anchor[0], achieved):
+            self._anchor = achieved, now
         return now - self._anchor[1] > _STUCK
 
     def _in_the_way(self, now: float) -> tuple[float, float] | None:
@@ -371,6 +377,5 @@ def _is_doubtful(pose: MapPose) -> bool:
     return max(x, y) > _DOUBTFUL[0] or yaw > _DOUBTFUL[1]
 
 
-def _has_come(last: Pose, here: Pose) -> bool:
-    turned = abs(math.remainder(here.yaw - last.yaw, math.tau))
-    return math.dist(last[:2], here[:2]) > _COMES or turned > _TURNS
+def _has_come(last: Displacement, now: Displacement) -> bool:
+    return abs(now.path - last.path) > _COMES or abs(now.yaw - last.yaw) > _TURNS
