@@ -120,7 +120,7 @@ class PlacesAnswer(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Goal(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where a route ends, in `map`."""
+    """End of a route, in `map`."""
 
     x: float
     """m; of `base_link`."""
@@ -154,7 +154,7 @@ class PlacesGo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class RouteState(MotionState, frozen=True, kw_only=True):
-    """How a route goes on, or how the last one ended: until the next one begins.
+    """State of a route, or the end of the last one until the next one begins.
 
     `asked` and `achieved` have the way alone: m that it takes from its start, and m that the robot has come. `step` is
     the leg, and `covariance` localization's.

@@ -175,7 +175,7 @@ PLACES_GO = Query("places/go", pl.PlacesGo, mo.MotionAnswer)
 PLACES_CANCEL = Query("places/cancel", mo.MotionCancel, mo.MotionAnswer, mo.MotionCancel(by="somebody unknown"))
 
 DRIVING_QUERIES: tuple[Query[Any, Any], ...] = (*MOTION_QUERIES, PLACES_GO, PLACES_CANCEL)
-"""Of motion and of places: who may ask them may have the robot move."""
+"""Queries of motion and of places that make the robot move, or end that: one permission is for all of them."""
 
 # Apart, because access is granted by key: who may read a parameter may not set it.
 PARAM_DESCRIBE = Query("param/*", p.ParamDescribe, p.ParamAnswer)

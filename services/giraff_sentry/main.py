@@ -14,7 +14,7 @@ import zenoh
 
 from giraff_core.live import Live
 from giraff_node import Node, Timer
-from giraff_schemas.topics import CMD_VEL, MOTION_HOLD, OPERATOR_CMD_VEL
+from giraff_schemas.topics import CMD_VEL, MOTION_HOLD, OPERATOR_CMD_VEL, PLACES_HOLD
 from giraff_sentry.config import SentryConfig
 from giraff_sentry.policy import FILTER, Refusals, told
 
@@ -55,6 +55,7 @@ def main() -> None:
         node.subscribe(CMD_VEL, lambda _: None)
         node.subscribe(OPERATOR_CMD_VEL, lambda _: None)
         node.subscribe(MOTION_HOLD, lambda _: None)
+        node.subscribe(PLACES_HOLD, lambda _: None)
         pace = Timer(_TELL_HZ)
         for now in node.turns(pace):
             if pace.due(now):

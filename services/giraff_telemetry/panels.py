@@ -19,7 +19,9 @@ from giraff_schemas.topics import (
     MOTION,
     MOTION_HOLD,
     PARTICLES,
+    PLACES_HOLD,
     POSE,
+    ROUTE,
     VISUAL_ODOM,
     covers,
 )
@@ -41,7 +43,10 @@ from giraff_telemetry.layout import HEADING, NONE, block, left, right, text_or_d
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
-_LEFT_OUT: Final = (MOTION, MOTION_HOLD, POSE, PARTICLES, MAP, ATTITUDE, CAMERA_ON, CAMERA_STATE, VISUAL_ODOM)
+_LEFT_OUT: Final = (
+    *(MOTION, MOTION_HOLD, PLACES_HOLD, ROUTE, POSE, PARTICLES, MAP),
+    *(ATTITUDE, CAMERA_ON, CAMERA_STATE, VISUAL_ODOM),
+)
 CLEARANCE_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
 _STATES: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}

@@ -16,7 +16,7 @@ from giraff_schemas.codec import DecodeError, decode, encode
 from giraff_schemas.localization import LocalizationGlobal, LocalizationSetPose
 from giraff_schemas.messages import Lease, RobotTime, Tick
 from giraff_schemas.motion import Arc, GoTo, MotionArc, MotionCancel, MotionGo, MotionMove, MotionTurn, Move, Turn
-from giraff_schemas.places import PlaceAdd, PlacesSet
+from giraff_schemas.places import Goal, PlaceAdd, PlacesGo, PlacesSet
 from giraff_schemas.requests import EStopEngage, EStopReset, OdomReset, OdomSetPose
 from giraff_schemas.topics import (
     DRIVING_QUERIES,
@@ -32,6 +32,8 @@ from giraff_schemas.topics import (
     ODOM_ECHOES,
     ODOM_RESET,
     ODOM_SET_POSE,
+    PLACES_CANCEL,
+    PLACES_GO,
     PLACES_SET,
     QUERIES,
     TOPICS,
@@ -82,6 +84,8 @@ REQUESTS: Final[dict[str, msgspec.Struct]] = {
         steps=(Move(distance=1.0), Turn(angle=1.0), Arc(radius=1.0, angle=1.0), GoTo(x=1.0, y=1.0)),
     ),
     MOTION_CANCEL.key: MotionCancel(by="somebody", id=6),
+    PLACES_GO.key: PlacesGo(by="somebody", id=10, instance="asker", tick=_OLD, goal=Goal(x=1.0, y=1.0, yaw=0.5)),
+    PLACES_CANCEL.key: MotionCancel(by="somebody", id=10),
 }
 """By key, what may be asked there; that one resets no latch, and those begin no motion."""
 

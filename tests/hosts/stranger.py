@@ -16,7 +16,7 @@ import zenoh
 from giraff_schemas.codec import decode, encode, stamped
 from giraff_schemas.messages import DriveCommand, GuardedCommand, RobotTime
 from giraff_schemas.motion import MotionHold
-from giraff_schemas.topics import CMD_VEL, MOTION_HOLD, OPERATOR_CMD_VEL, TICK, key_of
+from giraff_schemas.topics import CMD_VEL, MOTION_HOLD, OPERATOR_CMD_VEL, PLACES_HOLD, TICK, key_of
 
 _OPERATORS: Final = ("joystick", "keyboard", "motion")
 _PERIOD: Final = 0.02  # s
@@ -56,7 +56,7 @@ class Stranger:
         )
         says: dict[str, GuardedCommand | DriveCommand | MotionHold] = {
             CMD_VEL.key: guarded,
-            MOTION_HOLD.key: MotionHold(id=1, tick=self._tick),
+            **dict.fromkeys((MOTION_HOLD.key, PLACES_HOLD.key), MotionHold(id=1, tick=self._tick)),
         }
         for name in _OPERATORS:
             says[OPERATOR_CMD_VEL.at(name).key] = DriveCommand(

@@ -228,7 +228,8 @@ def test_each_table_of_the_robot_file_has_a_configuration() -> None:
 def test_only_what_operators_say_has_several_makers() -> None:
     """`doctor` asks the one maker of a topic why it is silent."""
     makers = Counter(topic.key for service in SERVICES for topic in service.publishes)
-    assert {key for key, count in makers.items() if count > 1} == {topics.OPERATOR_CMD_VEL.key, topics.MOTION_HOLD.key}
+    several = (topics.OPERATOR_CMD_VEL, topics.MOTION_HOLD, topics.PLACES_HOLD)
+    assert {key for key, count in makers.items() if count > 1} == {topic.key for topic in several}
 
 
 def test_the_guard_hears_what_each_sense_tells_and_nothing_else_of_a_sensor() -> None:

@@ -1,4 +1,4 @@
-"""What a requester can ask for, and by which keys: a motion of giraff_motion's, or a route of giraff_places'."""
+"""A wish for a motion of giraff_motion or a route of giraff_places, and the keys of each."""
 
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple
@@ -22,7 +22,7 @@ from giraff_schemas.topics import (
 )
 
 
-class Asked(NamedTuple):
+class AskedService(NamedTuple):
     """Service that is asked, and its keys."""
 
     service: str
@@ -31,11 +31,11 @@ class Asked(NamedTuple):
     cancel: Query[MotionCancel, Any]
     hold: Topic[MotionHold]
     state: Topic[Any]
-    """Of samples that are a `MotionState`."""
+    """Topic of samples that are a `MotionState`."""
 
 
-OF_MOTION: Final = Asked(MOTION_SERVICE.package, MOTION_GO, MOTION_CANCEL, MOTION_HOLD, MOTION)
-OF_PLACES: Final = Asked(PLACES_SERVICE.package, PLACES_GO, PLACES_CANCEL, PLACES_HOLD, ROUTE)
+OF_MOTION: Final = AskedService(MOTION_SERVICE.package, MOTION_GO, MOTION_CANCEL, MOTION_HOLD, MOTION)
+OF_PLACES: Final = AskedService(PLACES_SERVICE.package, PLACES_GO, PLACES_CANCEL, PLACES_HOLD, ROUTE)
 
 
 class Wish(NamedTuple):
@@ -50,7 +50,7 @@ class Wish(NamedTuple):
     """s; None: as motion has it."""
 
     @property
-    def asked(self) -> Asked:
+    def asked(self) -> AskedService:
         """Service that is asked."""
         return OF_MOTION
 
@@ -74,7 +74,7 @@ class RouteWish(NamedTuple):
     goal: str | Goal
 
     @property
-    def asked(self) -> Asked:
+    def asked(self) -> AskedService:
         """Service that is asked."""
         return OF_PLACES
 

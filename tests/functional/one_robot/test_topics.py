@@ -48,6 +48,8 @@ KEYS: Final = {
     "particles",
     "map",
     "places",
+    "places/hold",
+    "route",
     "camera/*/@full",
     "camera/*/@small",
     "camera/*/on",

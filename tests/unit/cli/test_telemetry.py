@@ -128,7 +128,7 @@ def test_keys_are_in_the_order_of_the_table() -> None:
     others = (
         *(topics.CAMERA, topics.CAMERA_SMALL, topics.CAMERA_ON, topics.CAMERA_STATE, topics.VISUAL_ODOM),
         *(topics.ATTITUDE, topics.BUMPER, topics.SCAN, topics.MOTION_HOLD, topics.POSE, topics.PARTICLES, topics.MAP),
-        *(topics.PLACES, topics.TRUE_POSE),
+        *(topics.PLACES, topics.PLACES_HOLD, topics.ROUTE, topics.TRUE_POSE),
     )
     order = [topic.key for topic in topics.TOPICS if topic.rate_hz and topic not in others]
     heads = [key.partition("/")[0] for key in ten_seconds().rates_hz]

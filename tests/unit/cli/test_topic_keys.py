@@ -13,6 +13,7 @@ from giraff_schemas.topics import (
     CMD_VEL,
     MOTION_HOLD,
     OPERATOR_CMD_VEL,
+    PLACES_HOLD,
     RANGE,
     SERIAL,
     SERIAL_WRITE,
@@ -118,7 +119,7 @@ def test_nothing_of_a_live_robots_own_is_said_for_it(topic: Topic[Any]) -> None:
     assert publish_refusal(topic, {"play": [], "base": []})
 
 
-@pytest.mark.parametrize("topic", [CMD_VEL, OPERATOR_CMD_VEL.at("anna"), MOTION_HOLD])
+@pytest.mark.parametrize("topic", [CMD_VEL, OPERATOR_CMD_VEL.at("anna"), MOTION_HOLD, PLACES_HOLD])
 def test_whoever_wants_to_drive_is_shown_how(topic: Topic[Any]) -> None:
     assert "giraff_client" in publish_refusal(topic, SERVICES)
 

@@ -31,6 +31,7 @@ from giraff_schemas.topics import (
     ODOM_SET_POSE,
     OPERATOR_CMD_VEL,
     PARAM_SET,
+    PLACES_HOLD,
     PLACES_SET,
     RANGE,
     TICK,
@@ -110,11 +111,11 @@ MOVING = AccessConfig(
 def moves(host: str, access: AccessConfig = MOVING) -> set[str]:
     """What the robot takes of this host that begins, goes on with or ends a motion, or moves the wheels by its name."""
     asked = {query.key for query in DRIVING_QUERIES if lets_in(host, "query", key_of(ROBOT, query), access)}
-    said = (MOTION_HOLD, OPERATOR_CMD_VEL.at("motion"))
+    said = (MOTION_HOLD, PLACES_HOLD, OPERATOR_CMD_VEL.at("motion"))
     return asked | {topic.key for topic in said if lets_in(host, "put", key_of(ROBOT, topic), access)}
 
 
-ASKS_AND_HOLDS = {*(query.key for query in DRIVING_QUERIES), MOTION_HOLD.key}
+ASKS_AND_HOLDS = {*(query.key for query in DRIVING_QUERIES), MOTION_HOLD.key, PLACES_HOLD.key}
 
 
 def test_who_has_the_name_asks_for_motions_and_only_the_robot_drives_by_it() -> None:

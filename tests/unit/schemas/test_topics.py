@@ -77,5 +77,6 @@ def test_motion_and_what_it_is_judged_by_go_before_all_else() -> None:
         "lease",
         "estop",
         "motion/hold",
+        "places/hold",
     }
     assert all(topic.rate_hz >= 0.0 for topic in TOPICS)
