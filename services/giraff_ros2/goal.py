@@ -1,6 +1,7 @@
 """Rviz's `/goal_pose` as a motion that this service asks for and holds: if it ends, the robot stops.
 
-No way around anything is planned. The robot turns to the goal, drives straight to it, and turns as the goal has it.
+Where giraff_places is there, it plans the way to a goal in `map`. To any other goal no way is planned: the robot turns
+to it, drives straight, and turns as the goal has it.
 """
 
 import math
@@ -8,7 +9,7 @@ from typing import Any, Final
 
 from giraff_core.io import IO
 from giraff_core.motion.requester import HeldMotion, MotionRequester
-from giraff_core.motion.wish import Wish
+from giraff_core.motion.wish import OF_MOTION, OF_PLACES, RouteWish, Wish
 from giraff_core.operator import RobotLink
 from giraff_core.retry import RetriedRequest
 from giraff_ros2.answers import Answers
@@ -18,9 +19,10 @@ from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Odometry, Sample, Tick
 from giraff_schemas.motion import GoTo, MotionState, Step, Turn
+from giraff_schemas.places import FARTHEST, Goal, Places
 from giraff_schemas.services import MOTION as MOTION_SERVICE
 from giraff_schemas.text import printable
-from giraff_schemas.topics import MOTION_HOLD, Query
+from giraff_schemas.topics import Query
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 _NEAR: Final = 0.05  # m; a goal so near is a turn alone
@@ -29,6 +31,7 @@ _LEVEL: Final = 0.05  # of a quaternion's x and y
 _BEGINS_WITHIN: Final = 3.0
 """s after which a goal is too old to be asked for. The lease of this service's own hand ends after 1 s."""
 _POSE_COUNTS: Final = 1.0  # s
+_PLACES_COUNT: Final = 3.0  # s; they come once a second
 AWAKE: Final = 1.0
 """s for which the process of a goal's publisher must have been awake before the goal came."""
 _STOOD_STILL: Final = 0.4
@@ -46,8 +49,10 @@ class Goals:
     def __init__(self, io: IO, by: str) -> None:
         """`by`: who asks, for people."""
         self._io, self._by = io, by
-        self._holds = io.publisher(MOTION_HOLD)
+        self._holds = {asked.service: io.publisher(asked.hold) for asked in (OF_MOTION, OF_PLACES)}
         self._poses: dict[str, tuple[float, tuple[float, float, float]]] = {}  # when it was heard; x, y, yaw
+        self._routes_until = -math.inf
+        """s. Time until which giraff_places counts as one that can plan."""
         self._goal: tuple[str, float, float, float] | None = None  # frame, x, y, yaw
         self._given_at = -math.inf
         self._requester: MotionRequester | None = None
@@ -78,6 +83,8 @@ class Goals:
         norm = math.hypot(turned.z, turned.w)
         if not all(map(math.isfinite, (at.x, at.y, turned.x, turned.y, norm))):
             self._report("a number of it is not finite", now)
+        elif max(abs(at.x), abs(at.y)) > FARTHEST:
+            self._report(f"it is beyond {FARTHEST:g} m from (0, 0): goals are in metres", now)
         elif frame not in (ODOM_FRAME, MAP_FRAME):
             self._report(f"its frame is {printable(frame)!r}, and goals are in odom or map", now)
         elif max(abs(turned.x), abs(turned.y)) > _LEVEL or not 0.9 < norm < 1.1:
@@ -91,7 +98,7 @@ class Goals:
         else:
             self.cancel("another goal was given", now)
             self._trouble = NO_TROUBLE
-            self._goal = frame, at.x, at.y, 2.0 * math.atan2(turned.z, turned.w)
+            self._goal = frame, at.x, at.y, math.remainder(2.0 * math.atan2(turned.z, turned.w), math.tau)
             self._given_at = received.at
 
     def on_refused(self, trouble: Trouble, now: float) -> None:
@@ -119,7 +126,7 @@ class Goals:
             self._requester.on_tick(tick, now)
 
     def on_sample(self, sample: Sample, now: float) -> None:
-        """Take where the robot is, and how the motion goes."""
+        """Take where the robot is, how the motion or route goes, and that giraff_places is there."""
         match sample:
             case Odometry():
                 self._poses[ODOM_FRAME] = now, (sample.x, sample.y, sample.yaw)
@@ -127,8 +134,12 @@ class Goals:
                 self._poses[MAP_FRAME] = now, (sample.x, sample.y, sample.yaw)
             case MapPose():  # its pose is a guess
                 self._poses.pop(MAP_FRAME, None)
+            case Places():
+                self._routes_until = -math.inf if sample.reason else now + _PLACES_COUNT
             case MotionState() if self._requester is not None:
-                self._requester.on_state(sample, now)
+                # A route is a state of this kind, too, and each of its legs is a motion that somebody else asked for.
+                if type(sample) is self._requester.wish.asked.state.schema:
+                    self._requester.on_state(sample, now)
 
     def turn(self, now: float, driver: str) -> None:
         """Ask, hold and end. `driver`: name of the operator that holds the lease; empty: none."""
@@ -187,8 +198,10 @@ class Goals:
             return
         self._goal = None
         if steps := _steps(pose, frame, x, y, yaw):
-            self._requester = MotionRequester(self._io.token(), Wish(steps), self._by, self._io.instance)
-            self._motion = HeldMotion(self._requester, self._ask, self._holds.put)
+            has_route = frame == MAP_FRAME and now < self._routes_until
+            wish = RouteWish(Goal(x=x, y=y, yaw=yaw)) if has_route else Wish(steps)
+            self._requester = MotionRequester(self._io.token(), wish, self._by, self._io.instance)
+            self._motion = HeldMotion(self._requester, self._ask, self._holds[wish.asked.service].put)
 
     def _ask(self, query: Query[Any, Any], request: Any) -> RetriedRequest[Any]:
         return self._io.ask(query, request, lambda _: True)

@@ -1,4 +1,4 @@
-"""The robot in ROS 2: what it says goes to ROS, and what ROS asks to guard, to base's emergency stop and to motion."""
+"""The robot in ROS 2: what it says goes to ROS, and what ROS asks to guard, base's stop, motion and places."""
 
 from collections.abc import Callable
 from typing import Any, Final
@@ -31,7 +31,9 @@ from giraff_schemas.topics import (
     MOTION,
     ODOM,
     OPERATOR_CMD_VEL,
+    PLACES,
     POSE,
+    ROUTE,
     TILT,
     Topic,
 )
@@ -109,7 +111,8 @@ class Ros2(OperatorService):
         self._says = RobotInRos(robot, ros, open_source, by)
         # All is looked at fifty times a second, as often as an operator speaks. Of odometry, which comes more often,
         # the newest goes on: ROS's own drivers of wheels publish it at that rate.
-        waiting: list[Topic[Any]] = [BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), TILT, POSE, MAP, MOTION]
+        waiting: list[Topic[Any]] = [BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), TILT, POSE, MAP]
+        waiting += [PLACES, MOTION, ROUTE]
         self._heard: list[Inbox[Any]] = [io.inbox(ODOM, 1, wakes=False)]
         self._heard += [io.inbox(topic, _KEPT, wakes=False) for topic in waiting]
         super().__init__(io, self._twists, wakes=False)

@@ -3,6 +3,7 @@
 import math
 from collections import deque
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -23,14 +24,15 @@ from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import EStop, Odometry, RobotTime, Sample, Tick
 from giraff_schemas.motion import NOWHERE, GoTo, MotionAnswer, MotionCancel, MotionGo, MotionState, Turn
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.topics import Query, Topic
 from giraff_schemas.trouble import Trouble
 
 
 class Asked:
     """A request, which is answered once a test has put an answer here."""
 
-    def __init__(self, request: msgspec.Struct, settles: Callable[[Any], bool | str]) -> None:
-        self.request, self._settles = request, settles
+    def __init__(self, key: str, request: msgspec.Struct, settles: Callable[[Any], bool | str]) -> None:
+        self.key, self.request, self._settles = key, request, settles
         self.answers: deque[Any] = deque()
         self.fault, self.attempts, self.refusal = "", 0, None
 
@@ -53,14 +55,18 @@ class Robot:
     def __init__(self) -> None:
         self.asked: list[Asked] = []
         self.held: list[Any] = []
-        self.put = self.held.append
+        self.held_on: set[str] = set()
 
-    def ask(self, _: object, request: msgspec.Struct, settles: Callable[[Any], bool | str]) -> Asked:
-        self.asked.append(Asked(request, settles))
+    def ask(self, query: Query[Any, Any], request: msgspec.Struct, settles: Callable[[Any], bool | str]) -> Asked:
+        self.asked.append(Asked(query.key, request, settles))
         return self.asked[-1]
 
-    def publisher(self, _: object) -> "Robot":
-        return self
+    def publisher(self, topic: Topic[Any]) -> SimpleNamespace:
+        def put(hold: Any) -> None:
+            self.held.append(hold)
+            self.held_on.add(topic.key)
+
+        return SimpleNamespace(put=put)
 
     def token(self) -> int:
         return len(self.asked) + 7
@@ -173,6 +179,12 @@ class Rviz:
             self.goals.turn(self.now, driver)
         return [asked.request for asked in self.robot.asked[before:]]
 
+    def place(self, state: Any) -> None:
+        """Say where the robot is in `map`."""
+        place: dict[str, Any] = {"x": 1.0, "y": 0.0, "yaw": 0.0, "covariance": (0.0,) * 6, "candidates": ()}
+        place |= {"odom": PlanarPose(x=0.0, y=0.0, yaw=0.0), "explained": 1.0, "way": 0.0, "particles": 9}
+        self.goals.on_sample(MapPose(state=state, map="home", tick=None, **place), self.now)
+
     def drive(self) -> MotionGo:
         """Give a goal that is accepted."""
         self.give(2.0, 0.0)
@@ -235,6 +247,7 @@ def test_where_it_is_already_nothing_is_asked(rviz: Rviz) -> None:
         ({"x": math.nan, "y": 0.0}, "a number of it is not finite"),
         ({"x": 0.0, "y": math.inf}, "a number of it is not finite"),
         ({"x": 0.0, "y": 0.0, "yaw": math.nan}, "a number of it is not finite"),
+        ({"x": 2.0, "y": -1e5, "frame": "map"}, "beyond 10000 m"),
         ({"x": 2.0, "y": 0.0, "frame": "base_link"}, "'base_link'"),
         ({"x": 2.0, "y": 0.0, "frame": "map"}, "where the robot is in map"),
         ({"x": 2.0, "y": 0.0, "turned": Quaternion(0.0, 0.0, 0.0, 0.0)}, "no turn on the floor"),
@@ -334,10 +347,8 @@ def test_a_goal_of_a_process_that_answers_nothing_is_refused(rviz: Rviz) -> None
     ("state", "silent_s", "asks"), [("localized", 0.9, 1), ("localized", 1.1, 0), ("lost", 0.0, 0)]
 )
 def test_no_goal_is_begun_by_a_guess_of_where_the_robot_is(rviz: Rviz, state: Any, silent_s: float, asks: int) -> None:
-    place: dict[str, Any] = {"x": 1.0, "y": 0.0, "yaw": 0.0, "covariance": (0.0,) * 6, "candidates": (), "tick": None}
-    place |= {"odom": PlanarPose(x=0.0, y=0.0, yaw=0.0), "explained": 1.0, "way": 0.0, "particles": 9}
-    rviz.goals.on_sample(MapPose(state="localized", map="home", **place), rviz.now)
-    rviz.goals.on_sample(MapPose(state=state, map="home", **place), rviz.now)
+    rviz.place("localized")
+    rviz.place(state)
     rviz.run(silent_s)
     rviz.give(1.0, 0.0, 2.0, frame="map")  # a turn alone, which giraff_motion does not judge by localization
     assert len(rviz.run(0.08)) == asks
