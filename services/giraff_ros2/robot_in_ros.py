@@ -20,6 +20,7 @@ from giraff_ros2.port import RosPort
 from giraff_ros2.topics import RosTopic
 from giraff_schemas.localization import MapPose, MapWalls
 from giraff_schemas.messages import Battery, Odometry, Range, Sample, Tilt
+from giraff_schemas.places import RouteState
 from giraff_schemas.scan import LaserScan
 
 _DIAGNOSTICS_HZ: Final = 1.0
@@ -47,6 +48,7 @@ class RobotInRos:
         self._timer = Timer(_DIAGNOSTICS_HZ)
         self._pictures = PictureReceiver(open_source, by, _APART)
         self._walls: object = None
+        self._corners: object = ()
         port.publish(ros.ROBOT_DESCRIPTION, String(urdf(robot)))
         port.publish(ros.TF_STATIC, pose.static_transforms(robot, port.wall_ns()))
 
@@ -86,6 +88,9 @@ class RobotInRos:
             case MapPose():
                 self._put(ros.TF, pose.map_transform, sample)
                 self._put(ros.POSE, pose.amcl_pose, sample)
+            case RouteState() if (corners := pose.corners_ahead(sample)) != self._corners:
+                self._corners = corners  # said five times a second, and changed where it is planned anew
+                self._ros.publish(ros.PLAN, pose.path(sample))
             case MapWalls() if (sample.map, sample.walls) != self._walls:
                 self._walls = sample.map, sample.walls  # said every five seconds, and computed once
                 self._ros.publish(ros.MAP, occupancy(sample, sample.stamp_ns))

@@ -43,13 +43,14 @@ BATTERY: Final = RosTopic("battery_state", "sensor_msgs/msg/BatteryState")
 DIAGNOSTICS: Final = RosTopic("diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
 MAP: Final = RosTopic("map", "nav_msgs/msg/OccupancyGrid", LATCHED)
 POSE: Final = RosTopic("amcl_pose", "geometry_msgs/msg/PoseWithCovarianceStamped", LATCHED)
+PLAN: Final = RosTopic("plan", "nav_msgs/msg/Path", LATCHED)
 CAMERA: Final = RosTopic("camera/*/compressed", "sensor_msgs/msg/CompressedImage", SENSOR)
 ROBOT_DESCRIPTION: Final = RosTopic("robot_description", "std_msgs/msg/String", LATCHED)
 ESTOP_ENGAGED: Final = RosTopic("~/estop_engaged", "std_msgs/msg/Bool", LATCHED)
 
 PUBLISHED: Final = (
     *(ODOM, TF, TF_STATIC, RANGE, SCAN, HAND_IMU, BATTERY, DIAGNOSTICS),
-    *(MAP, POSE, CAMERA, ROBOT_DESCRIPTION, ESTOP_ENGAGED),
+    *(MAP, POSE, PLAN, CAMERA, ROBOT_DESCRIPTION, ESTOP_ENGAGED),
 )
 
 CMD_VEL: Final = RosTopic("cmd_vel", "geometry_msgs/msg/Twist")

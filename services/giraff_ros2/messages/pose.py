@@ -1,11 +1,13 @@
 """Places of the robot and its parts as ROS messages."""
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Point as Point
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Pose as Pose
+from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__PoseStamped as StampedPlace
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__PoseWithCovariance as PoseWithCovariance
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__PoseWithCovarianceStamped as StampedPose
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Transform as RosTransform
@@ -14,6 +16,7 @@ from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Twist as Twis
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__TwistWithCovariance as TwistWithCovariance
 from rosbags.typesys.stores.ros2_kilted import geometry_msgs__msg__Vector3 as Vector3
 from rosbags.typesys.stores.ros2_kilted import nav_msgs__msg__Odometry as RosOdometry
+from rosbags.typesys.stores.ros2_kilted import nav_msgs__msg__Path as Path
 from rosbags.typesys.stores.ros2_kilted import tf2_msgs__msg__TFMessage as TFMessage
 
 from giraff_core.robot import RobotConfig
@@ -22,6 +25,7 @@ from giraff_ros2.messages.header import header, quaternion
 from giraff_schemas.frames import BASE_FRAME, MAP_FRAME, ODOM_FRAME, Transform, camera_frame
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Odometry
+from giraff_schemas.places import RouteState
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,6 +72,21 @@ def map_transform(pose: MapPose) -> TFMessage | None:
 def amcl_pose(pose: MapPose) -> StampedPose | None:
     """Return where `base_link` is in `map`; None while that is not known."""
     return StampedPose(header(pose.stamp_ns, MAP_FRAME), _pose(pose)) if pose.state in _KNOWN else None
+
+
+def corners_ahead(route: RouteState) -> tuple[tuple[float, float], ...]:
+    """Return the corners of a route; none once it has ended."""
+    return () if route.stage == "ended" else route.corners
+
+
+def path(route: RouteState) -> Path:
+    """Return the corners of a route, each turned along the leg from it, and the last one as the goal has it."""
+    corners = corners_ahead(route)
+    yaws = [math.atan2(end[1] - begin[1], end[0] - begin[0]) for begin, end in pairwise(corners)] or [0.0]
+    yaws.append(yaws[-1] if route.goal is None or route.goal.yaw is None else route.goal.yaw)
+    head = header(route.stamp_ns, MAP_FRAME)
+    places = (Pose(Point(x, y, 0.0), quaternion(0.0, 0.0, yaw)) for (x, y), yaw in zip(corners, yaws, strict=False))
+    return Path(head, [StampedPlace(head, place) for place in places])
 
 
 def fixed_parts(robot: RobotConfig) -> list[Transform]:

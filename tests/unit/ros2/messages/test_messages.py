@@ -9,6 +9,7 @@ from operator import attrgetter
 from random import Random
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
+from unittest.mock import MagicMock
 from xml.etree import ElementTree as ET
 
 import msgspec
@@ -26,6 +27,8 @@ from giraff_ros2.messages.diagnostics import diagnostics
 from giraff_ros2.messages.header import quaternion, stamp
 from giraff_ros2.messages.occupancy import occupancy
 from giraff_ros2.messages.urdf import urdf
+from giraff_ros2.robot_in_ros import RobotInRos
+from giraff_ros2.topics import PLAN
 from giraff_schemas.bumper import Bump
 from giraff_schemas.camera import Picture
 from giraff_schemas.localization import MapPose, MapWalls, PlanarPose
@@ -44,6 +47,7 @@ from giraff_schemas.messages import (
     SensorState,
     Tilt,
 )
+from giraff_schemas.places import NO_ROUTE, Goal, RouteState
 from giraff_schemas.trouble import Trouble
 
 SAMPLES: Final = 200
@@ -108,6 +112,11 @@ def six(random: Random) -> tuple[float, float, float, float, float, float]:
     return first, second, third, fourth, fifth, sixth
 
 
+def a_route(random: Random) -> RouteState:
+    corners = tuple((random.uniform(-9.0, 9.0), random.uniform(-9.0, 9.0)) for _ in range(random.randrange(4)))
+    return msgspec.structs.replace(NO_ROUTE, stamp_ns=random.randrange(2**60), corners=corners)
+
+
 def a_range(random: Random) -> Range:
     states: tuple[RangeState, ...] = ("echo", "clear", "fault")
     state = random.choice(states)
@@ -168,6 +177,7 @@ CASES: Final = [
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         {"pose.pose.position.x": "x", "pose.pose.position.y": "y"},
     ),
+    Case(a_route, pose.path, "nav_msgs/msg/Path"),
     Case(a_range, lambda sample: sensors.range_reading(sample, FRONT), "sensor_msgs/msg/Range"),
     Case(
         a_tilt,
@@ -246,6 +256,21 @@ def test_poses_by_hand() -> None:
     assert (odom.transforms[0].header.frame_id, odom.transforms[0].child_frame_id) == ("map", "odom")
     assert odom.transforms[0].transform.translation.x == known.odom.x
     assert (stamp(2**63).sec, stamp(-1).sec) == (2**31 - 1, 0)
+
+
+def test_a_route_is_shown_where_it_changes_and_no_more_once_it_has_ended() -> None:
+    port = MagicMock(**{"wall_ns.return_value": AT})
+    shown, goal = RobotInRos(ROBOT, port, None, "ros2@desk"), Goal(x=2.0, y=2.0, yaw=math.pi)
+    port.reset_mock()
+    shown.on_sample(NO_ROUTE, 0.0)
+    route = msgspec.structs.replace(NO_ROUTE, stage="moving", goal=goal, corners=((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)))
+    for stage in ("moving", "waiting", "ended", "ended"):
+        shown.on_sample(msgspec.structs.replace(route, stage=stage), 0.0)
+    (way, cleared) = (call.args[1] for call in port.publish.call_args_list if call.args[0] == PLAN)
+    assert way.header.frame_id == "map"
+    assert [(each.pose.position.x, each.pose.position.y) for each in way.poses] == [*route.corners]
+    assert [each.pose.orientation.z for each in way.poses] == pytest.approx([0.0, math.sqrt(0.5), 1.0])
+    assert cleared.poses == []
 
 
 def test_optical_frame_looks_along_z() -> None:
