@@ -19,7 +19,7 @@ _EXAMPLES: Final = """\
 move 1.0 --speed 0.2
 turn 180deg
 arc 1.0 90deg
-go 1.5,2.2
+go kitchen
 camera view --save head.jpg
 camera board board.svg
 localize --at 1.5,2.2,0deg

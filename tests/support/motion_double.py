@@ -1,4 +1,7 @@
-"""In the place of giraff_motion and its robot, on a network of one process: it says what it is told to say."""
+"""In the place of giraff_motion, giraff_places and their robot, on a network of one process.
+
+It says what it is told to say.
+"""
 
 from itertools import count
 from typing import Any
@@ -18,7 +21,21 @@ from giraff_schemas.motion import (
     Outcome,
     Stage,
 )
-from giraff_schemas.topics import MOTION, MOTION_CANCEL, MOTION_GO, MOTION_HOLD, TICK, Topic, alive_key, key_of
+from giraff_schemas.places import Goal, PlacesGo, RouteState
+from giraff_schemas.topics import (
+    MOTION,
+    MOTION_CANCEL,
+    MOTION_GO,
+    MOTION_HOLD,
+    PLACES_CANCEL,
+    PLACES_GO,
+    PLACES_HOLD,
+    ROUTE,
+    TICK,
+    Topic,
+    alive_key,
+    key_of,
+)
 from giraff_schemas.trouble import Trouble
 from tests.support.one_process import Clock, Session
 
@@ -43,11 +60,31 @@ def motion_state(wish: int, stage: Stage = "moving", outcome: Outcome = "", **ch
     return MotionState(id=wish, stage=stage, outcome=outcome, **known | changes)
 
 
+def route_state(wish: int, stage: Stage = "moving", outcome: Outcome = "", **changes: Any) -> RouteState:
+    """A route of five legs to the kitchen, and its second one."""
+    route = {
+        "step": 2,
+        "steps": 5,
+        "asked": msgspec.structs.replace(NOWHERE, path=7.9),
+        "achieved": msgspec.structs.replace(NOWHERE, path=3.2),
+        "place": "kitchen",
+        "goal": Goal(x=6.3, y=1.8, yaw=1.57),
+        "corners": ((1.0, 3.0), (4.1, 3.0), (6.3, 1.8)),
+    }
+    state = motion_state(wish, stage, outcome)
+    known = {
+        name: getattr(state, name) for name in MotionState.__struct_fields__ if name not in Sample.__struct_fields__
+    }
+    return RouteState(**known | route | changes)
+
+
 class MotionDouble:
     """It accepts what it is asked, moves for `takes` s, and ends as `outcome`."""
 
     def __init__(self, session: Session, clock: Clock, robot: str) -> None:
         self.asked: list[MotionGo] = []
+        self.routes: list[PlacesGo] = []
+        """Asked for; what else is heard and said is then of the newest of them."""
         self.cancelled: list[MotionCancel] = []
         self.holds: list[tuple[float, MotionHold]] = []
         """With when each came, s."""
@@ -63,9 +100,11 @@ class MotionDouble:
         self._seq = count()
         self.token = session.declare_token(alive_key(robot, "base", "1"))
         self.token.__enter__()
-        session.declare_subscriber(key_of(robot, MOTION_HOLD), self._on_hold)
+        for hold, cancel in ((MOTION_HOLD, MOTION_CANCEL), (PLACES_HOLD, PLACES_CANCEL)):
+            session.declare_subscriber(key_of(robot, hold), self._on_hold)
+            session.answer(key_of(robot, cancel), self._on_cancel)
         session.answer(key_of(robot, MOTION_GO), self._on_go)
-        session.answer(key_of(robot, MOTION_CANCEL), self._on_cancel)
+        session.answer(key_of(robot, PLACES_GO), self._on_route)
         clock.every(0.02, self._tick)
         clock.every(0.1, self._tell)
 
@@ -82,11 +121,14 @@ class MotionDouble:
             self.say(TICK, Tick(epoch=now.epoch, robot_ns=now.robot_ns))
 
     def _tell(self) -> None:
-        if not (self.asked and self.speaks and not self.refusal):
+        if not ((self.asked or self.routes) and self.speaks and not self.refusal):
             return
-        wish = self.asked[-1].id
         if not self._ended and self._clock.monotonic() - self._began >= self.takes:
             self._ended = self.outcome
+        if self.routes:
+            self._tell_route(self.routes[-1].id)
+            return
+        wish = self.asked[-1].id
         if not self._ended:
             self.say(MOTION, motion_state(wish))
         elif self._ended == "arrived":
@@ -97,14 +139,34 @@ class MotionDouble:
         else:
             self.say(MOTION, motion_state(wish, "ended", self._ended, reason=Trouble(f"it is {self._ended}")))
 
+    def _tell_route(self, wish: int) -> None:
+        at, elapsed = (4.1, 2.2), self._clock.monotonic() - self._began
+        whole = msgspec.structs.replace(NOWHERE, path=7.9)
+        if not self._ended:
+            waits = elapsed > self.takes / 2
+            reason = Trouble(BLOCKED if waits else "")
+            state = route_state(wish, "waiting" if waits else "moving", at=at if waits else None, reason=reason)
+        elif self._ended == "arrived":
+            state = route_state(wish, "ended", "arrived", step=5, achieved=whole, at=(6.3, 1.8))
+        else:
+            why = Trouble(BLOCKED if self._ended == "blocked" else f"it is {self._ended}")
+            sensor = "front_left" if self._ended == "blocked" else ""
+            state = route_state(wish, "ended", self._ended, at=at, sensor=sensor, reason=why)
+        self.say(ROUTE, msgspec.structs.replace(state, elapsed=elapsed))
+
     def _on_hold(self, received: Any) -> None:
         self.holds.append((self._clock.monotonic(), msgspec.msgpack.decode(received.payload, type=MotionHold)))
 
     def _on_go(self, payload: bytes) -> tuple[float, bytes] | None:
-        request = msgspec.msgpack.decode(payload, type=MotionGo)
-        if not self.asked or self.asked[-1].id != request.id:
+        return self._on_request(self.asked, msgspec.msgpack.decode(payload, type=MotionGo))
+
+    def _on_route(self, payload: bytes) -> tuple[float, bytes] | None:
+        return self._on_request(self.routes, msgspec.msgpack.decode(payload, type=PlacesGo))
+
+    def _on_request(self, asked: list[Any], request: MotionGo | PlacesGo) -> tuple[float, bytes] | None:
+        if not asked or asked[-1].id != request.id:
             self._began, self._ended = self._clock.monotonic(), ""
-        self.asked.append(request)
+        asked.append(request)
         return (
             (0.02, encode(MotionAnswer(accepted=not self.refusal, reason=Trouble(self.refusal))))
             if self.answers

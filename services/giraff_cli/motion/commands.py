@@ -1,6 +1,7 @@
 """The options of `giraff move`, `turn`, `arc` and `go`. What they do is imported when it is asked for."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,7 +11,7 @@ from giraff_cli.options import AsJson, Connect, Robot, finite, parsed
 from giraff_tools import typed
 
 if TYPE_CHECKING:
-    from giraff_core.motion.wish import Wish
+    from giraff_core.motion.wish import RouteWish, Wish
 
 Angle = Annotated[
     float,
@@ -117,16 +118,16 @@ def go(
     goal: Annotated[
         list[str],
         typer.Argument(
-            metavar="X,Y|PATTERN.toml",
-            help="A point, m; or steps in a file, see deploy/patterns.",
+            metavar="NAME|X,Y|PATTERN.toml",
+            help="A place by its name; a point, m; or steps in a file, see deploy/patterns.",
             show_default=False,
         ),
     ],
     frame: Annotated[
         Literal["odom", "map"] | None,
         typer.Option(
-            help="Of the point: odom, where odometry began, which is the default; or map, the floor plan, while it is "
-            "known, or was told, where the robot is.",
+            help="Of the point, to which it goes straight: odom, where odometry began, which is the default; or map, "
+            "the floor plan, while it is known, or was told, where the robot is.",
             show_default=False,
         ),
     ] = None,
@@ -136,27 +137,30 @@ def go(
     connect: Connect = None,
     as_json: AsJson = False,
 ) -> None:
-    """Turn the robot to a point and drive it straight there; or drive it by the steps of a file, one after the other.
+    """Drive the robot to a place of the floor plan, to a point, or by the steps of a file.
 
-    Ctrl-C stops it. Where an obstacle is, it stops before it: no way around anything is planned.
+    To a place by its name, as `giraff place list` has it, it finds a way. To a point it turns and goes straight: no way
+    around anything is planned. Ctrl-C stops it. Where an obstacle is, it stops before it.
 
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
     from giraff_cli.motion.pattern import PatternError, read_pattern  # noqa: PLC0415
-    from giraff_core.motion.wish import Wish  # noqa: PLC0415
+    from giraff_core.motion.wish import RouteWish, Wish  # noqa: PLC0415
     from giraff_schemas.motion import GoTo  # noqa: PLC0415
 
-    def wish() -> "Wish":
-        word = typed.one_word(goal, typed.point)
-        if "," not in word or Path(word).exists():
+    def wish() -> "Wish | RouteWish":
+        name = _place_name(goal)
+        word = name or typed.one_word(goal, typed.point)
+        if name or "," not in word or Path(word).exists():
             if (frame, speed, time_limit) != (None, None, None):
-                raise ValueError("--frame, --speed and --time-limit are for a point: a pattern says them in its file")
+                why = "a route goes as the robot file has it" if name else "a pattern says them in its file"
+                raise ValueError(f"--frame, --speed and --time-limit are for a point: {why}")
+            if name:
+                return RouteWish(name)
             try:
                 return read_pattern(Path(word))
             except PatternError as error:
-                if word[:1].isalpha() and set("./").isdisjoint(word) and not Path(word).exists():
-                    raise ValueError(f"{word}: no places are saved by name; give a point X,Y, like 1.5,-2") from error
-                hint = "" if Path(word).exists() else "; a point is X,Y, like 1.5,-2"
+                hint = "" if Path(word).exists() else "; a point is X,Y, like 1.5,-2, and a place a name, like kitchen"
                 raise PatternError(f"{error}{hint}") from error
         x, y = typed.point(word)
         return Wish((GoTo(x=x, y=y, frame=frame or "odom"),), speed, None, time_limit)
@@ -164,8 +168,23 @@ def go(
     _perform("go", wish, robot, connect, as_json=as_json)
 
 
+def _place_name(words: Sequence[str]) -> str:
+    """Return the name of a place, which may be of several words; empty: they are a point, or a file.
+
+    Raises ValueError for a mistyped option, which a command that takes negative numbers has among its words.
+    """
+    from giraff_schemas.places import require_place_name  # noqa: PLC0415
+
+    if option := next((word for word in words if word.startswith("--")), ""):
+        raise ValueError(f"there is no option {option}; see giraff go --help")
+    name = " ".join(words)
+    with suppress(ValueError):
+        return "" if Path(name).is_file() else require_place_name(name)
+    return ""
+
+
 def _perform(
-    verb: str, wish: "Callable[[], Wish]", robot: str | None, connect: list[str] | None, *, as_json: bool
+    verb: str, wish: "Callable[[], Wish | RouteWish]", robot: str | None, connect: list[str] | None, *, as_json: bool
 ) -> None:
     from giraff_cli.motion.pattern import PatternError  # noqa: PLC0415
     from giraff_cli.motion.perform import perform  # noqa: PLC0415

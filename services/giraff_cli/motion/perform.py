@@ -1,4 +1,4 @@
-"""Asks for a motion, shows how it goes, and tells how it ended. Ctrl-C ends the motion first."""
+"""Asks for a motion or a route, shows how it goes, and tells how it ended. Ctrl-C ends the motion first."""
 
 import math
 import time
@@ -14,8 +14,8 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_core.latest import LatestSamples
-from giraff_core.motion.result import MotionResult, way_of
-from giraff_core.motion.wish import Wish
+from giraff_core.motion.result import NO_WAY, MotionResult, spot_of, way_of
+from giraff_core.motion.wish import RouteWish, Wish
 from giraff_node import robot_now_ns
 from giraff_node.motion_client import TURN, MotionClient
 from giraff_node.network.consent import NoRobotError
@@ -23,6 +23,7 @@ from giraff_node.network.discovery import not_found_text
 from giraff_node.network.tokens import list_robots
 from giraff_schemas.localization import MapPose
 from giraff_schemas.motion import GoTo, MotionState
+from giraff_schemas.places import RouteState
 from giraff_schemas.text import printable
 from giraff_schemas.topics import POSE
 from giraff_telemetry.localization import sigma_of
@@ -50,13 +51,17 @@ _HEADS: Final = {
     "disarmed": "ended, the robot is disarmed",
     "lost_odometry": "ended, odometry is lost",
     "lost_localization": "ended, where it is on the map is not known any more",
+    "no_room": "ended, it cannot stand at its goal",
+    "no_way": "ended, no way leads to its goal",
+    "too_narrow": "ended, each way is too narrow",
+    "forbidden": "ended, each way crosses a no-go line",
     "unheard": "HOW IT ENDED IS NOT KNOWN",
     "lost_robot": "the robot is not heard any more",
 }
-"""Of how a motion ends that has begun."""
+"""Words for how a motion has ended that had begun."""
 
 
-def perform(robot: str | None, connect: Sequence[str], wish: Wish, *, as_json: bool) -> int:
+def perform(robot: str | None, connect: Sequence[str], wish: Wish | RouteWish, *, as_json: bool) -> int:
     """From the wish to its end; the exit code."""
     with StopSignal() as stopping:
         return run_with_robot(
@@ -65,12 +70,12 @@ def perform(robot: str | None, connect: Sequence[str], wish: Wish, *, as_json: b
 
 
 class MotionRun:
-    """One motion of a robot that is there, and its reader."""
+    """One motion or route of a robot that is there, and its reader."""
 
-    def __init__(self, connection: RobotConnection, wish: Wish, stopping: StopSignal) -> None:
+    def __init__(self, connection: RobotConnection, wish: Wish | RouteWish, stopping: StopSignal) -> None:
         self._connection, self._stopping = connection, stopping
         self._client = MotionClient(connection.session, connection.robot, user_at_host(), wish)
-        if any(isinstance(step, GoTo) and step.frame == "map" for step in wish.steps):
+        if isinstance(wish, RouteWish) or any(isinstance(step, GoTo) and step.frame == "map" for step in wish.steps):
             connection.subscribe(POSE)
         self._reader_gone = False
         self._show_at = 0.0
@@ -142,11 +147,11 @@ class MotionView:
 
     @property
     def share(self) -> float:
-        """Of the way, 0 to 1; of a pattern, of its steps."""
+        """Share of the way, 0 to 1; of a pattern, of its steps."""
         state = self.state
         if state.stage == "ended":
             return 1.0 if state.outcome == "arrived" else 0.0
-        if state.steps > 1:
+        if state.steps > 1 and not isinstance(state, RouteState):
             return max(0, state.step - 1) / state.steps
         done, asked = state.achieved, state.asked
         whole, part = (asked.path, done.path) if abs(asked.path) > _LEAST else (asked.yaw, done.yaw)
@@ -165,7 +170,7 @@ class MotionView:
         state = self.state
         parts: list[str] = [state.stage]
         if state.steps > 1:
-            parts.append(f"step {state.step} of {state.steps}")
+            parts.append(f"{'leg' if isinstance(state, RouteState) else 'step'} {state.step} of {state.steps}")
         parts.append(way_of(state))
         if state.reason:
             parts.append(str(state.reason))
@@ -173,19 +178,23 @@ class MotionView:
 
 
 def describe(robot: str, result: MotionResult, place: MapPose | None = None) -> str:
-    """Tell in one line how it ended, with the way out. `place`: at the end of a motion to a point of the map."""
+    """Tell in one line how it ended, with the way out. `place`: at the end of what went by the map."""
     if not result.begun:
         return printable(f"{robot} has not moved: {result.reason or result.outcome}")
-    way = result.way
+    way = f"{result.way} to {result.place}" if result.place and not result.arrived else result.way
     if place is not None:
         metres, radians = sigma_of(place)
         way += f"; on the map, {place.state}: ± {metres:.2f} m, {math.degrees(radians):.1f}°"
     if result.arrived:
-        return f"{robot}: arrived after {result.elapsed:.1f} s: {way}"
+        there = f" at {result.place}" if result.place else ""
+        return printable(f"{robot}: arrived{there} after {result.elapsed:.1f} s: {way}")
     head = _HEADS.get(result.outcome, result.outcome)
-    step = f" in step {result.step} of {result.steps}" if result.steps > 1 else ""
+    part = "step" if result.place is None else "leg"
+    has_parts = result.steps > 1 and result.outcome not in NO_WAY
+    step = f" in {part} {result.step} of {result.steps}" if has_parts else ""
+    spot = f", {where}" if (where := spot_of(result)) else ""
     why = f": {result.reason}" if result.reason else ""
-    return printable(f"{robot}: {head}{step}{why}; it came {way}")
+    return printable(f"{robot}: {head}{step}{spot}{why}; it came {way}")
 
 
 def document(robot: str, result: MotionResult, place: MapPose | None = None) -> dict[str, Any]:

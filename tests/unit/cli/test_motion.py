@@ -135,6 +135,51 @@ def test_what_is_typed_is_what_is_asked(desk: Desk, words: tuple[str, ...], step
     assert list(desk.motion.asked[0].steps) == steps
 
 
+def test_a_place_is_gone_to_by_its_name_and_a_wait_says_why(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(perform, "robot_now_ns", desk.clock.monotonic_ns)
+    monkeypatch.setattr("giraff_tools.network.connection.robot_now_ns", desk.clock.monotonic_ns)
+    said = encode(stamped(map_pose(1), 1, 0, "l"))
+    desk.each = lambda _: desk.session.put(key_of(NAME, POSE), said, encoding=encoding_of(MapPose))
+    desk.motion.takes = 4.0
+    code, out, complaint = desk.type("go", "kitchen", "--robot", NAME)
+    assert (code, complaint) == (0, "")
+    lines = out.splitlines()
+    assert lines[0] == "   0.1 s | moving | leg 2 of 5 | 3.2 of 7.9 m"
+    assert f"   2.1 s | waiting | leg 2 of 5 | 3.2 of 7.9 m | {BLOCKED}" in lines
+    assert lines[-1] == (f"{NAME}: arrived at kitchen after 4.1 s: 7.9 of 7.9 m; on the map, localized: ± 0.05 m, 1.1°")
+    [request] = desk.motion.routes
+    assert (request.goal, desk.motion.asked, desk.robots) == ("kitchen", [], [(NAME, True)])
+    assert len(desk.motion.holds) == pytest.approx(100, abs=3)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "told"),
+    [
+        ("blocked", f"BLOCKED in leg 2 of 5, at 4.10,2.20 m: {BLOCKED}"),
+        ("cancelled", "stopped in leg 2 of 5, at 4.10,2.20 m: it is cancelled"),
+        ("no_room", "ended, it cannot stand at its goal: it is no_room"),
+        ("no_way", "ended, no way leads to its goal: it is no_way"),
+        ("too_narrow", "ended, each way is too narrow: it is too_narrow"),
+        ("forbidden", "ended, each way crosses a no-go line: it is forbidden"),
+    ],
+)
+def test_a_route_that_ends_elsewhere_says_where_and_why(desk: Desk, outcome: Outcome, told: str) -> None:
+    desk.motion.outcome = outcome
+    code, _, complaint = desk.type("go", "dining", "table")
+    assert (code, desk.motion.routes[0].goal) == (1, "dining table")
+    assert complaint == f"giraff: {NAME}: {told}; it came 3.2 of 7.9 m to kitchen\n"
+    code, out, _ = desk.type("go", "kitchen", "--json")
+    document = json.loads(out)
+    assert (code, document["place"], document["at"], document["step"]) == (1, "kitchen", [4.1, 2.2], 2)
+
+
+def test_a_place_that_there_is_not_moves_nothing(desk: Desk) -> None:
+    desk.motion.refusal = "no place is called kitchn; is kitchen meant?"
+    assert desk.type("go", "kitchn") == (2, "", f"giraff: {NAME} has not moved: {desk.motion.refusal}\n")
+    desk.motion.refusal, desk.motion.answers, desk.motion.speaks = "", False, False
+    assert "check that giraff_places runs" in desk.type("go", "kitchen")[2]
+
+
 def test_each_wish_has_an_id_of_its_own(desk: Desk) -> None:
     for _ in range(2):
         assert desk.type("move", "1")[0] == 0
