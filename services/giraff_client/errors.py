@@ -65,7 +65,7 @@ class BlockedError(RobotError):
 
 
 class MotionError(RobotError):
-    """A motion that was asked for by metres and radians has not arrived, or was not begun."""
+    """A motion by metres and radians, or a route, has not arrived, or was not begun."""
 
     def __init__(self, result: MotionResult) -> None:
         came = f"; it came {result.way}" if result.begun else ""

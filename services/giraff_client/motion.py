@@ -1,4 +1,4 @@
-"""Motions by metres and radians, from a script: giraff_motion drives, and the script holds on to it."""
+"""Motions by metres and radians, and routes, from a script: the robot drives, and the script holds on to it."""
 
 import time
 from abc import ABC, abstractmethod
@@ -11,9 +11,10 @@ import zenoh
 from giraff_client.errors import LostRobotError, MotionBlockedError, MotionError, SilentError
 from giraff_client.reading import require_finite
 from giraff_core.motion.result import MotionResult
-from giraff_core.motion.wish import Wish
+from giraff_core.motion.wish import RouteWish, Wish
 from giraff_node.motion_client import TURN, MotionClient
 from giraff_schemas.motion import Arc, GoTo, Move, Step, Turn
+from giraff_schemas.places import require_place_name
 
 
 class Motions(ABC):
@@ -66,23 +67,38 @@ class Motions(ABC):
 
     def go(
         self,
-        steps: Sequence[Step],
+        goal: str | Sequence[Step],
         *,
         speed: float | None = None,
         turn_speed: float | None = None,
         time_limit: float | None = None,
     ) -> MotionResult:
-        """Steps, one after the other, as one motion: each begins where the one before it was to end.
+        """To a place of the floor plan by its name, or by steps, one after the other, as one motion.
+
+        To a place giraff_places finds a way, which goes as the robot file has it: it takes no speed and no time limit.
+        MotionBlockedError says that something is in the way and stays there, and MotionError all else: its result's
+        `outcome` may also be `no_room`, `no_way`, `too_narrow` or `forbidden`, and of an unknown name it is `refused`.
+
+        Each step begins where the one before it was to end.
 
         A script that drove by `drive` lets go first, which takes about a second; its next `drive` arms anew. After a
-        motion that did not arrive it must call `arm` for that, unless it was blocked or its time was over.
+        motion that did not arrive it must call `arm` for that, unless its way or its time was at an end.
         """
         require_finite("go", "m/s, rad/s and s", *_given(speed, turn_speed, time_limit))
-        steps = tuple(steps)
-        _require_steps(steps)
-        limits = [None if limit is None else float(limit) for limit in (speed, turn_speed, time_limit)]
+        wish: Wish | RouteWish
+        if isinstance(goal, str):
+            if _given(speed, turn_speed, time_limit):
+                raise ValueError(
+                    f"go({goal!r}): a route goes as the robot file has it; give no speed and no time limit"
+                )
+            wish = RouteWish(require_place_name(goal))
+        else:
+            steps = tuple(goal)
+            _require_steps(steps)
+            limits = [None if limit is None else float(limit) for limit in (speed, turn_speed, time_limit)]
+            wish = Wish(steps, *limits)
         session, name, by, patience = self._begin_motion()
-        client = MotionClient(session, name, by, Wish(steps, *limits))
+        client = MotionClient(session, name, by, wish)
         with closing(client):
             result = _followed(client, patience)
         self._end_motion(result)

@@ -13,7 +13,8 @@ from giraff_schemas.checks import require_sendable
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardState, Range, Sample
 from giraff_schemas.motion import MotionState
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, MOTION, POSE, RANGE, SampleT, Topic, covers
+from giraff_schemas.places import RouteState
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, MOTION, POSE, RANGE, ROUTE, SampleT, Topic, covers
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 Heard = Mapping[str, tuple[Sample, float]]
@@ -45,6 +46,10 @@ class States(ABC):
     def motion(self) -> MotionState:
         """How the newest motion by metres and radians goes on or has ended. Raises SilentError, LostRobotError."""
         return self._fresh(MOTION, "check that giraff_motion runs")
+
+    def route(self) -> RouteState:
+        """Return how the newest route goes on or has ended. Raises SilentError, LostRobotError."""
+        return self._fresh(ROUTE, "check that giraff_places runs")
 
     def map_pose(self) -> MapPose:
         """Return where the robot is on the map, m and rad, heard within the last second: look at its `state` first.

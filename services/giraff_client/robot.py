@@ -19,7 +19,7 @@ from giraff_client.motion import Motions
 from giraff_client.policy import OperatorPolicy
 from giraff_client.reading import Heard, States, blockage, has_heard_each_sensor, require_finite
 from giraff_core.latest import is_fresh
-from giraff_core.motion.result import MotionResult
+from giraff_core.motion.result import NO_WAY, MotionResult
 from giraff_core.timer import Timer
 from giraff_node import Publisher
 from giraff_node.config.robot_file import ConfigError
@@ -283,7 +283,7 @@ class Robot(Motions, States, FrameReader, CameraReader):
     def _end_motion(self, result: MotionResult) -> None:
         """Nothing was taken from the script where only the way or the time was at an end: `drive` may arm again."""
         if result.begun:
-            self._has_armed = result.outcome not in ("arrived", "blocked", "time_limit")
+            self._has_armed = result.outcome not in ("arrived", "blocked", "time_limit", *NO_WAY)
 
     def _put(self, command: DriveCommand) -> None:
         """Publish, and wait until the next one may come."""

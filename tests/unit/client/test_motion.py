@@ -24,7 +24,7 @@ from giraff_client import (
     Turn,
 )
 from giraff_schemas.messages import DriveCommand, Lease
-from giraff_schemas.motion import Step
+from giraff_schemas.motion import Outcome, Step
 from giraff_schemas.topics import BASE, LEASE, OPERATOR_CMD_VEL, key_of
 from tests.support.motion_double import BLOCKED, MotionDouble
 from tests.support.one_process import Clock, Session
@@ -118,6 +118,27 @@ def test_it_tells_how_far_it_came(network: Network, robot: Robot) -> None:
     assert robot.motion().outcome == "arrived"
     robot.turn(1.0, speed=0.4)
     assert (network.motion.asked[1].speed, network.motion.asked[1].turn_speed) == (None, 0.4)
+
+
+def test_a_place_is_gone_to_by_its_name(network: Network, robot: Robot) -> None:
+    result = robot.go("kitchen")
+    assert (network.motion.routes[0].goal, network.motion.asked) == ("kitchen", [])
+    assert (result.place, result.at, result.way) == ("kitchen", (6.3, 1.8), "7.9 of 7.9 m")
+    assert robot.route().outcome == "arrived"
+    ends: tuple[tuple[Outcome, type[MotionError]], ...] = (("blocked", MotionBlockedError), ("too_narrow", MotionError))
+    for outcome, kind in ends:
+        network.motion.outcome = outcome
+        with pytest.raises(kind, match=r"; it came 3\.2 of 7\.9 m$") as told:
+            robot.go("kitchen")
+        assert (told.type, told.value.result.at) == (kind, (4.1, 2.2))
+        robot.drive(0.1, 0.0)
+    asked = len(network.motion.routes)
+    for limits in ({"speed": 0.2}, {"turn_speed": 0.2}, {"time_limit": 9.0}):
+        with pytest.raises(ValueError, match="a route goes as the robot file has it"):
+            robot.go("kitchen", **limits)
+    with pytest.raises(ValueError, match="begin with a letter"):
+        robot.go("1")
+    assert len(network.motion.routes) == asked
 
 
 def test_a_blocked_way_is_an_error_with_its_sensor(network: Network, robot: Robot) -> None:
