@@ -24,6 +24,7 @@ from giraff_schemas.messages import (
     Tilt,
     Wheels,
 )
+from giraff_schemas.places import RouteState
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import (
     ATTITUDE,
@@ -36,6 +37,7 @@ from giraff_schemas.topics import (
     LEASE,
     ODOM,
     POSE,
+    ROUTE,
     TILT,
     TOPICS,
     WHEELS,
@@ -43,6 +45,8 @@ from giraff_schemas.topics import (
 )
 from giraff_telemetry.rate import RateEstimator, Totals
 
+_ROUTE_FOR: Final = 30.0
+"""s that a route is told of after its end, or after it was heard last."""
 _ORDER: Final = {topic.key: number for number, topic in enumerate(TOPICS)}
 
 
@@ -80,6 +84,8 @@ class Snapshot:
     estop: Latest[EStop] | None
     lease: Latest[Lease] | None
     localization: Latest[MapPose] | None
+    route: Latest[RouteState] | None
+    """None: none goes on, or has ended just now."""
     attitude: Latest[Attitude] | None
     """None: it is no robot that balances."""
     sensed: dict[str, HeardSensor]
@@ -159,6 +165,8 @@ class Telemetry(LatestSamples):
         self._sensors = sensors
         self._keys: dict[str, _Key] = {}
         self._heard_ns: int | None = None
+        self._route_ns: int | None = None
+        """When a route was last heard that goes on."""
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         super().on_sample(topic, key, sample, at_ns)
@@ -166,6 +174,8 @@ class Telemetry(LatestSamples):
             self._keys[key] = _Key(topic)
         self._keys[key].on_sample(sample, self._clock(topic, at_ns), at_ns)
         self._heard_ns = at_ns
+        if isinstance(sample, RouteState) and sample.stage not in ("idle", "ended"):
+            self._route_ns = at_ns
 
     def forget(self, topic: Topic[Any]) -> None:
         """Of a topic without `*` nothing is heard any more because nobody listens."""
@@ -190,6 +200,8 @@ class Telemetry(LatestSamples):
     def snapshot(self, now_ns: int) -> Snapshot:
         """Everything, as of now."""
         guard = self.latest(GUARD, now_ns)
+        route = self.latest(ROUTE, now_ns)
+        is_told = self._route_ns is not None and _since(self._route_ns, now_ns) <= _ROUTE_FOR
         types = {**self._sensors, **(guard.sample.sensor_types if guard else {})}
         return Snapshot(
             silence=None if self._heard_ns is None else _since(self._heard_ns, now_ns),
@@ -203,6 +215,7 @@ class Telemetry(LatestSamples):
             estop=self.latest(ESTOP, now_ns),
             lease=self.latest(LEASE, now_ns),
             localization=self.latest(POSE, now_ns),
+            route=route if is_told and route is not None and route.sample.stage != "idle" else None,
             attitude=self.latest(ATTITUDE, now_ns),
             sensed=heard_sensors(types, partial(self.all, now_ns=now_ns)),
             cameras={heard.sample.camera: heard for heard in reversed(self.all(CAMERA_STATE, now_ns))},

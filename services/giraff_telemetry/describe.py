@@ -4,9 +4,11 @@ import math
 from typing import Final, NamedTuple
 
 from giraff_core.latest import Latest
+from giraff_core.motion.result import spot_of, way_of
 from giraff_core.senses.heard import HeardSensor
 from giraff_schemas.camera import CameraState
 from giraff_schemas.messages import Attitude, Battery, DirectionLimit, GuardState
+from giraff_schemas.places import RouteState
 from giraff_schemas.services import HANDS
 from giraff_telemetry.collector import Snapshot
 from giraff_telemetry.localization import short_pose_text
@@ -114,6 +116,24 @@ def localization_text(snapshot: Snapshot) -> str:
     if seen is None:
         return ""
     return short_pose_text(seen.sample) if seen.fresh else f"not heard for {seen.age:.0f} s"
+
+
+def route_text(snapshot: Snapshot) -> str:
+    """Return how a route goes on, or has ended just now. Empty: there is none."""
+    seen = snapshot.route
+    if seen is None:
+        return ""
+    return state_text(seen.sample) if seen.fresh else f"not heard for {seen.age:.0f} s"
+
+
+def state_text(route: RouteState) -> str:
+    """Return a route's goal and way, and the cause and place of a wait or of an end."""
+    word = {"moving": "", "waiting": "waits", "ended": route.outcome.replace("_", " ")}.get(route.stage, route.stage)
+    leg = f"leg {route.step} of {route.steps}" if route.step and route.outcome != "arrived" else ""
+    what = " in ".join(filter(None, (word, leg)))
+    text = ", ".join(filter(None, (f"to {route.place or 'a point'}", what, way_of(route))))
+    text += f": {route.reason}" if route.reason else ""
+    return f"{text} ({spot})" if (spot := spot_of(route)) else text
 
 
 def balance_text(snapshot: Snapshot) -> str:

@@ -19,6 +19,7 @@ from giraff_schemas.topics import (
     MOTION,
     MOTION_HOLD,
     PARTICLES,
+    PLACES,
     PLACES_HOLD,
     POSE,
     ROUTE,
@@ -35,6 +36,7 @@ from giraff_telemetry.describe import (
     battery_text,
     holder_text,
     localization_text,
+    route_text,
     sensor_text,
     verdicts,
 )
@@ -44,8 +46,8 @@ _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
 _LEFT_OUT: Final = (
-    *(MOTION, MOTION_HOLD, PLACES_HOLD, ROUTE, POSE, PARTICLES, MAP),
-    *(ATTITUDE, CAMERA_ON, CAMERA_STATE, VISUAL_ODOM),
+    *(MOTION, MOTION_HOLD, POSE, PARTICLES, MAP, PLACES, PLACES_HOLD, ROUTE, ATTITUDE, CAMERA_ON, CAMERA_STATE),
+    VISUAL_ODOM,
 )
 CLEARANCE_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
 _STATES: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
@@ -163,6 +165,16 @@ def localization(snapshot: Snapshot, more: str = "") -> Text:
     if more:
         text.append(f"{printable(more)}  ")
     return text.append_text(text_or_dash(localization_text(snapshot), style))
+
+
+def route(snapshot: Snapshot) -> list[Text]:
+    """Return the row of a route that goes on, or has ended just now; nothing where there is none."""
+    if (seen := snapshot.route) is None:
+        return []
+    state = seen.sample
+    style = "dim" if not seen.fresh else "green" if state.stage == "moving" or state.outcome == "arrived" else "yellow"
+    text = Text.assemble(("ROUTE  ", HEADING), no_wrap=True, overflow="ellipsis")
+    return [text.append_text(text_or_dash(route_text(snapshot), style))]
 
 
 def balance(snapshot: Snapshot) -> Text:

@@ -36,6 +36,7 @@ CANDIDATES: Final[Colour] = (255, 140, 60)
 NAMED: Final[Colour] = (80, 220, 190)
 """Places that have a name."""
 NO_GO: Final = RED
+ROUTE: Final[Colour] = (200, 120, 255)
 
 EVIDENCE: Final[dict[EvidenceState, Colour]] = {
     "free": GREEN,

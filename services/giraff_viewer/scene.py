@@ -18,7 +18,7 @@ from giraff_core.senses import Evidence, Ultrasonic, typed
 from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.localization import MapPose, MapWalls, Particles
 from giraff_schemas.messages import GuardState, Odometry, Range, RobotTime, Sample, Tick, Tilt, TruePose
-from giraff_schemas.places import Places
+from giraff_schemas.places import Places, RouteState
 from giraff_schemas.requests import EchoMap
 from giraff_schemas.topics import Topic
 from giraff_viewer.colours import ELLIPSE, EVIDENCE, GREY, LEVELS, LINES, PATH, ROBOT, TILT, TRUTH, WHITE, Colour
@@ -157,7 +157,7 @@ class Scene:
                 rows += self._draw_truth(sample, at_ns)
             case Range():
                 self._surroundings.on_sample(sample)
-            case MapPose() | Particles() | MapWalls() | Places():
+            case MapPose() | Particles() | MapWalls() | Places() | RouteState():
                 rows += self._whereabouts.on_sample(sample)
                 rows += self._draw_map(sample.walls if isinstance(sample, MapWalls) else ())
             case Tick() | Picture():

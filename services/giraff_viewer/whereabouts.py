@@ -1,6 +1,6 @@
 """The robot on the map, as localization has it: walls, particles, how sure it is, and where else it may be.
 
-The map's places by name and its no-go lines are drawn with it.
+The map's places by name, its no-go lines and a route that goes on are drawn with it.
 """
 
 from typing import Any, Final
@@ -8,8 +8,8 @@ from typing import Any, Final
 import rerun as rr
 
 from giraff_schemas.localization import Candidate, MapPose, MapWalls, Particles
-from giraff_schemas.places import NoGoLine, Place, Places
-from giraff_viewer.colours import CANDIDATES, NAMED, NO_GO, PARTICLES, PLACES, WALLS
+from giraff_schemas.places import NoGoLine, Place, Places, RouteState
+from giraff_viewer.colours import CANDIDATES, NAMED, NO_GO, PARTICLES, PLACES, ROUTE, WALLS
 from giraff_viewer.rows import FLOOR, Row, planar
 from giraff_viewer.shapes import Strip, ellipse, headings, placed
 
@@ -19,6 +19,8 @@ _PLACE: Final = f"{FLOOR}/place"
 _CANDIDATES: Final = f"{FLOOR}/candidates"
 _NAMED: Final = f"{FLOOR}/named_places"
 _NO_GO: Final = f"{FLOOR}/no_go"
+_ROUTE: Final = f"{FLOOR}/route"
+_GOAL: Final = f"{FLOOR}/goal"
 _ARROW: Final[Strip] = [(-0.1, 0.06), (0.15, 0.0), (-0.1, -0.06), (-0.1, 0.06)]
 """m. A place by name, which points to where the robot faces there."""
 _BELOW: Final = 5.0
@@ -38,16 +40,18 @@ class Whereabouts:
         self._map = ""
         self._places: Places | None = None
         self._drawn: _Drawn = (), ()
+        self._route: tuple[Strip, str] = [], ""
+        """Corners of the route that is drawn, and the name of its goal."""
         self._candidates: tuple[Candidate, ...] = ()
         self.known = False
         """A place was heard, so that `odom` is put there."""
 
     def begin(self) -> list[Row]:
         """In which frame it is."""
-        paths = (_WALLS, _PARTICLES, _PLACE, _CANDIDATES, _NAMED, _NO_GO)
+        paths = (_WALLS, _PARTICLES, _PLACE, _CANDIDATES, _NAMED, _NO_GO, _ROUTE, _GOAL)
         return [(path, rr.CoordinateFrame("map")) for path in paths]
 
-    def on_sample(self, sample: MapPose | Particles | MapWalls | Places) -> list[Row]:
+    def on_sample(self, sample: MapPose | Particles | MapWalls | Places | RouteState) -> list[Row]:
         """What a sample changes."""
         match sample:
             case MapPose():
@@ -61,6 +65,8 @@ class Whereabouts:
             case Places():
                 self._places = sample
                 return self._draw_places()
+            case RouteState():
+                return self._draw_route(sample)
 
     def _build(self, walls: MapWalls) -> list[Row]:
         """The floor plan; it is told again and again."""
@@ -85,6 +91,18 @@ class Whereabouts:
         return [
             (_NAMED, rr.LineStrips2D(arrows, colors=[NAMED], radii=[0.015], labels=names)),
             (_NO_GO, rr.LineStrips2D(ends, colors=[NO_GO], radii=[0.02])),
+        ]
+
+    def _draw_route(self, state: RouteState) -> list[Row]:
+        """Draw a route when it changes, as long as it goes on."""
+        ended = state.stage in ("idle", "ended")
+        corners, name = wanted = ([], "") if ended else (list(state.corners), state.place)
+        if wanted == self._route:
+            return []
+        self._route = wanted
+        return [
+            (_ROUTE, rr.LineStrips2D([corners] if corners else [], colors=[ROUTE], radii=[0.02])),
+            (_GOAL, rr.Points2D(corners[-1:], colors=[ROUTE], radii=[0.06], labels=[name] if name else [])),
         ]
 
     def _locate(self, pose: MapPose) -> list[Row]:

@@ -25,6 +25,7 @@ from giraff_telemetry.describe import (
     limit_text,
     localization_text,
     moving,
+    route_text,
     sensor_text,
     sensors_text,
 )
@@ -86,6 +87,7 @@ class WatchView:
                 _operator(snapshot),
             ),
             *(blocks.gap(snapshot) if snapshot.localization is None else [blocks.localization(snapshot)]),
+            *blocks.route(snapshot),
             beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", text_or_dash(estop_text(snapshot))))),
             *(blocks.gap(snapshot) if snapshot.attitude is None else [blocks.balance(snapshot)]),
             blocks.guard(snapshot),
@@ -112,6 +114,7 @@ def _told(snapshot: Snapshot) -> list[str]:
     ]
     told += [] if snapshot.attitude is None else [balance_text(snapshot)]
     told += [] if snapshot.localization is None else [f"map {localization_text(snapshot)}"]
+    told += [] if snapshot.route is None else [f"route {route_text(snapshot)}"]
     told += [cameras] if (cameras := cameras_text(snapshot)) else []
     told += [] if battery is None else [battery_text(battery.sample)]
     told += [f"not there: {', '.join(gone)}"] if gone else []
@@ -203,6 +206,8 @@ class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
     estop: dict[str, Any] | None
     battery: dict[str, Any] | None
     localization: dict[str, Any] | None
+    route: dict[str, Any] | None
+    """None: none goes on, and none has ended within 30 s."""
     attitude: dict[str, Any] | None
     """None: it is no robot that balances."""
     cameras: dict[str, dict[str, Any] | None]
@@ -244,6 +249,7 @@ def report(view: WatchView) -> WatchReport:
         estop=_sample(snapshot.estop),
         battery=_sample(snapshot.battery),
         localization=_sample(snapshot.localization),
+        route=_sample(snapshot.route),
         attitude=_sample(snapshot.attitude),
         cameras={camera: _sample(seen) for camera, seen in snapshot.cameras.items()},
         topics={key: _topic(rate) for key, rate in snapshot.rates.items()},

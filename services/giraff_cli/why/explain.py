@@ -21,8 +21,8 @@ from giraff_node.process.version import version
 from giraff_schemas.health import Health
 from giraff_schemas.services import BASE, GUARD, HANDS, SERVICES
 from giraff_schemas.text import printable
-from giraff_schemas.topics import CAMERA_STATE, health_key
-from giraff_telemetry.describe import seen_text
+from giraff_schemas.topics import CAMERA_STATE, ROUTE, health_key
+from giraff_telemetry.describe import seen_text, state_text
 from giraff_tools.network.command import print_error
 from giraff_tools.network.connection import RobotConnection
 from giraff_tools.network.versions import version_trouble
@@ -127,8 +127,9 @@ def _show(diagnosis: "Diagnosis", unreadable: list[str]) -> None:
     )
     versions = (diagnosis.versions,) if diagnosis.versions else ()
     strange = () if versions else (f"unreadable: {complaint}" for complaint in unreadable)  # one line says it of all
-    for told in (*versions, *diagnosis.cameras, *strange):
-        print_trimmed(Text(told, style="yellow"))
+    routes = (diagnosis.route,) if diagnosis.route not in ("", diagnosis.conclusion) else ()
+    for told in (*versions, *diagnosis.cameras, *routes, *strange):
+        print_trimmed(Text(printable(told), style="yellow"))
     style = "bold red" if diagnosis.stopped_by else "bold green"
     print_trimmed(Text.assemble((f"{diagnosis.robot}: ", "bold"), (printable(diagnosis.conclusion), style)))
 
@@ -146,6 +147,11 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     links: tuple[Link, ...]
     cameras: tuple[str, ...] = ()
     """Who sees what the robot's cameras see, a line each that is on. It stops nothing."""
+    route: str = ""
+    """The route that waits, or has ended elsewhere than at its goal, and why; empty: none, or the robot drives.
+
+    One that waits is the conclusion, where no link stops the robot.
+    """
     versions: str = ""
     """Which versions run where; empty: all are the one of this command. Hosts of two formats do not hear each other."""
 
@@ -160,15 +166,26 @@ def diagnose(observation: Observation) -> Diagnosis:
     chain = tuple(state.links[name] for name in LINKS if name not in unused)
     broken = [link for link in chain if link.breaks]
     drives = state.base is not None and state.base.sample.driving
+    waits, route = (False, "") if drives else _route(observation)
     return Diagnosis(
         robot=observation.robot,
         drives=drives,
         stopped_by=broken[0].name if broken else "",
-        conclusion=_conclude(chain, broken, drives),
+        conclusion=route if waits and not broken else _conclude(chain, broken, drives),
         links=chain,
         versions=str(version_trouble(observation.host, observation.version, observation.health)),
+        route=route,
         cameras=tuple(text for seen in observation.of(CAMERA_STATE) if (text := seen_text(seen.sample))),
     )
+
+
+def _route(observation: Observation) -> tuple[bool, str]:
+    """Return whether a route waits, and why it does or did not arrive; empty: neither."""
+    heard = observation.newest(ROUTE)
+    if heard is None or (state := heard.sample).stage not in ("waiting", "ended") or state.outcome == "arrived":
+        return False, ""
+    waits = state.stage == "waiting"
+    return waits, f"{'route' if waits else 'last route'}: {state_text(state)}"
 
 
 def _conclude(chain: tuple[Link, ...], broken: list[Link], drives: bool) -> str:

@@ -7,13 +7,15 @@ import msgspec
 import pytest
 
 from giraff_cli.why.chain import Observation
-from giraff_cli.why.explain import LINKS, diagnose
+from giraff_cli.why.explain import LINKS, _show, diagnose
 from giraff_core.lease import IDLE
 from giraff_schemas import topics
 from giraff_schemas.actions import ANY, TILT
 from giraff_schemas.codec import stamped
 from giraff_schemas.health import other_health
+from giraff_schemas.places import NO_ROUTE
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
+from tests.support.motion_double import route_state
 from tests.unit.cli.samples import MS, attitude, base, camera, estop, lease, reading, verdict
 from tests.unit.cli.scenes import CAUSES, HAND, NOW, Scene, blocked, command, fault, state
 
@@ -95,6 +97,28 @@ def test_a_camera_that_is_on_is_no_fault() -> None:
     diagnosis = chain.diagnosis()
     assert diagnosis.cameras == ("camera head is seen by ann@desk",)
     assert diagnosis.conclusion == "nothing stops the robot: it drives when the hand asks for it"
+
+
+def test_a_route_that_waits_or_has_not_arrived_is_told_while_the_robot_stands(capsys: Any) -> None:
+    waits = route_state(1, "waiting", at=(4.1, 2.2), reason=Trouble("front_left sees something", "wait"))
+    chain = Scene().put(topics.ROUTE, waits, "p")
+    told = "to kitchen, waits in leg 2 of 5, 3.2 of 7.9 m: front_left sees something; wait (at 4.10,2.20 m)"
+    assert (chain.diagnosis().stopped_by, chain.diagnosis().conclusion) == ("", f"route: {told}")
+    _show(chain.diagnosis(), [])
+    assert capsys.readouterr().out.count(told) == 1
+    CAUSES["e-stop"][0](chain)
+    _show(chain.diagnosis(), [])
+    *_, above, last = capsys.readouterr().out.splitlines()
+    assert (above, last.startswith("otto: e-stop: ")) == (f"route: {told}", True)
+    chain = Scene()
+    chain.put(topics.ROUTE, route_state(1, "ended", "forbidden", reason=Trouble("stairs is in the way")), "p")
+    assert (
+        chain.diagnosis().route == "last route: to kitchen, forbidden in leg 2 of 5, 3.2 of 7.9 m: stairs is in the way"
+    )
+    chain.put(topics.BASE, base(), "b")
+    assert chain.diagnosis().route == "", "it drives"
+    for well in (NO_ROUTE, route_state(1), route_state(1, "ended", "arrived")):
+        assert Scene().put(topics.ROUTE, well, "p").diagnosis().route == ""
 
 
 def test_the_wheels_of_a_robot_that_balances_are_told_with_how_it_holds_itself() -> None:

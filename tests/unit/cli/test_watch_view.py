@@ -12,9 +12,11 @@ from giraff_cli.watch.screen import ReportView, WatchView, missing
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
-from giraff_schemas.trouble import NO_TROUBLE
+from giraff_schemas.places import NO_ROUTE
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_telemetry.collector import Telemetry
-from giraff_telemetry.describe import limit_text, moving
+from giraff_telemetry.describe import limit_text, moving, route_text
+from tests.support.motion_double import BLOCKED, route_state
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (
     MS,
@@ -238,6 +240,37 @@ def test_the_place_on_the_map_is_told_where_anybody_tells_it() -> None:
     assert (told["state"], told["map"], told["age"]) == ("localized", "hall", 0.0)
 
 
+def test_a_route_is_told_while_it_goes_on_and_for_half_a_minute_after_its_end() -> None:
+    telemetry, network = listening()
+    network.send(topics.POSE, map_pose(0, Pose(1.5, 2.2, 0.0)), NOW)
+    network.send(topics.ATTITUDE, attitude(NOW), NOW)
+    network.send(topics.ROUTE, route_state(1, "ended", "blocked"), NOW)
+    assert "ROUTE" not in "\n".join(drawn(view(telemetry))), "nobody knows when it has ended"
+    network.send(topics.ROUTE, route_state(2), NOW)
+    shown = drawn(view(telemetry, notices=("n" * 200,)))
+    assert "ROUTE  to kitchen, leg 2 of 5, 3.2 of 7.9 m" in [row.rstrip() for row in shown]
+    assert len(shown) <= 24
+    assert not any(row.startswith(("route ", "places ")) for row in shown)
+    network.send(topics.ROUTE, route_state(2, "waiting", at=(4.1, 2.2), reason=Trouble(BLOCKED)), NOW)
+    waits = f"to kitchen, waits in leg 2 of 5, 3.2 of 7.9 m: {BLOCKED} (at 4.10,2.20 m)"
+    assert f"| route {waits} |" in view(telemetry).line()
+    for state, told in (
+        (
+            route_state(2, "ended", "too_narrow", reason=Trouble("a gap")),
+            "too narrow in leg 2 of 5, 3.2 of 7.9 m: a gap",
+        ),
+        (route_state(2, "ended", "arrived"), "arrived, 3.2 of 7.9 m"),
+        (route_state(2, "arming", step=0), "arming, 3.2 of 7.9 m"),
+    ):
+        network.send(topics.ROUTE, state, NOW)
+        assert f"| route to kitchen, {told} |" in view(telemetry).line()
+    assert report(telemetry)["route"]["place"] == "kitchen"
+    assert "not heard for 29 s" in route_text(telemetry.snapshot(NOW + 29 * SECOND))
+    assert telemetry.snapshot(NOW + 31 * SECOND).route is None
+    network.send(topics.ROUTE, NO_ROUTE, NOW)
+    assert telemetry.snapshot(NOW).route is None
+
+
 def test_how_a_robot_that_balances_holds_itself_is_told() -> None:
     assert "BALANCE" not in "\n".join(drawn(view(heard())))
     telemetry, network = listening()
@@ -266,6 +299,7 @@ def test_the_report_has_the_names_that_are_promised() -> None:
             "estop",
             "battery",
             "localization",
+            "route",
             "attitude",
             "cameras",
         ),

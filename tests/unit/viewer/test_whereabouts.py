@@ -10,12 +10,13 @@ import pytest
 from giraff_core.kinematics.pose import ELLIPSE_95, Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import Candidate, LocalizationState, MapPose, MapWalls, Particles
-from giraff_schemas.places import NoGoLine, Place, Places
+from giraff_schemas.places import NO_ROUTE, NoGoLine, Place, Places
 from giraff_schemas.trouble import Trouble
 from giraff_viewer.colours import PLACES
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
 from tests.support.map_poses import LOST, map_pose
+from tests.support.motion_double import route_state
 from tests.unit.cli.samples import at, odometry
 from tests.unit.viewer.test_scene import SECOND, colour_of, paths, strips_of
 
@@ -124,6 +125,20 @@ def test_places_and_no_go_lines_are_drawn_when_they_change_on_their_own_map() ->
     gone = dict(scene.on_sample(topics.PLACES, idle, 3 * SECOND))
     assert [strips_of(gone[path]) for path in ("floor/named_places", "floor/no_go")] == [[], []]
     assert {"floor/named_places", "floor/no_go"} <= paths(scene.begin()), "which are in the frame of the map"
+
+
+def test_a_route_is_drawn_when_it_changes_until_it_has_ended() -> None:
+    scene = Scene(stock("sim"))
+    assert scene.on_sample(topics.ROUTE, NO_ROUTE, SECOND) == []
+    drawn = dict(scene.on_sample(topics.ROUTE, route_state(1), SECOND))
+    [strip], goal = strips_of(drawn["floor/route"]), drawn["floor/goal"]
+    assert strip.tolist() == [pytest.approx(corner) for corner in ((1.0, 3.0), (4.1, 3.0), (6.3, 1.8))]
+    assert goal.positions.as_arrow_array().to_pylist() == [pytest.approx([6.3, 1.8])]
+    assert goal.labels.as_arrow_array().to_pylist() == ["kitchen"]
+    assert scene.on_sample(topics.ROUTE, route_state(1, step=3), 2 * SECOND) == []
+    gone = dict(scene.on_sample(topics.ROUTE, route_state(1, "ended", "blocked"), 3 * SECOND))
+    assert (strips_of(gone["floor/route"]), gone["floor/goal"].positions.as_arrow_array().to_pylist()) == ([], [])
+    assert {"floor/route", "floor/goal"} <= paths(scene.begin()), "which are in the frame of the map"
 
 
 def test_the_page_and_the_log_say_whether_it_is_known() -> None:
