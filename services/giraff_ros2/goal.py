@@ -135,7 +135,7 @@ class Goals:
             case MapPose():  # its pose is a guess
                 self._poses.pop(MAP_FRAME, None)
             case Places():
-                self._routes_until = -math.inf if sample.reason else now + _PLACES_COUNT
+                self._routes_until = now + _PLACES_COUNT
             case MotionState() if self._requester is not None:
                 # A route is a state of this kind, too, and each of its legs is a motion that somebody else asked for.
                 if type(sample) is self._requester.wish.asked.state.schema:

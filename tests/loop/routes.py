@@ -28,7 +28,6 @@ from giraff_places.service import Places
 from giraff_scan.config import ScanConfig
 from giraff_scan.service import Scan
 from giraff_schemas.localization import LocalizationSetPose
-from giraff_schemas.motion import MotionState
 from giraff_schemas.places import Goal, RouteState
 from giraff_schemas.topics import LOCALIZATION_SET_POSE, PLACES_HOLD, ROUTE, TICK
 from giraff_sim.config import SimConfig
@@ -231,7 +230,9 @@ def drive(it: Home, seed: int, world: str, goal: Goal, meanwhile: Callable[[Home
     simulated, plant = it.stage.loop.simulation, it.stage.loop.simulation.world.plant
     start, path, began, contacts = it.truth, plant.path_length, it.stage.now, plant.contacts
     it.walker.go(goal)
-    touches, waits, fastest = [], [], 0.0
+    touches: list[float] = []
+    waits: list[str] = []
+    fastest = 0.0
     while it.walker.result is None and it.stage.now - began < _LONGEST:
         end = simulated.now_us + round(_STEP * 1e6)
         while simulated.now_us < end:

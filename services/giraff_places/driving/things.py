@@ -26,7 +26,7 @@ _OFF_PLAN: Final = {True: 0.25, False: 0.15}
 """m from every wall, so that a wall is not taken for a thing; of an ultrasonic sensor, and of others."""
 
 
-class _Seen(NamedTuple):
+class _Sighting(NamedTuple):
     at: float
     """s"""
     samples: int
@@ -37,7 +37,7 @@ class Things:
 
     def __init__(self, robot: RobotConfig, floor: Floor) -> None:
         self._robot, self._floor = robot, floor
-        self._cells: dict[tuple[int, int], _Seen] = {}
+        self._cells: dict[tuple[int, int], _Sighting] = {}
 
     def on_sample(self, sample: Any, pose: Pose, now: float) -> None:
         """Take a sample of a sense, m, with the robot's pose in `map` as it was made."""
@@ -46,7 +46,7 @@ class Things:
         for cell in self._found(sense, sample, pose):
             last = self._cells.pop(cell, None)
             seen_before = last.samples if last is not None and now - last.at <= KEPT else 0
-            self._cells[cell] = _Seen(now, seen_before + 1)
+            self._cells[cell] = _Sighting(now, seen_before + 1)
         while len(self._cells) > _MOST:
             del self._cells[next(iter(self._cells))]
 
