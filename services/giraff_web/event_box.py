@@ -5,13 +5,13 @@ from collections.abc import Iterable
 from itertools import count
 from typing import Final
 
-from giraff_web.messages import PageWish
+from giraff_web.messages import PageWish, RouteHold
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 
 WISHES_KEPT: Final = 32
-"""Of one page; the oldest goes."""
+"""Wishes and holds of a route, of one page; the oldest goes."""
 _OTHERS_KEPT: Final = 8
-"""Of one page, of what is no wish: so no flood of wishes loses the end of a hold."""
+"""Other messages of one page: so no flood of wishes loses the end of a hold."""
 _STOPS_KEPT: Final = 64
 """A further one asks for what is asked for already."""
 
@@ -61,7 +61,9 @@ class EventBox:
     def _say(self, event: Said) -> None:
         of_page = self._of(event.page)
         kept, most = (
-            (of_page.wishes, WISHES_KEPT) if isinstance(event.message, PageWish) else (of_page.others, _OTHERS_KEPT)
+            (of_page.wishes, WISHES_KEPT)
+            if isinstance(event.message, PageWish | RouteHold)
+            else (of_page.others, _OTHERS_KEPT)
         )
         kept.append(self._add(event))
         if len(kept) > most:

@@ -9,12 +9,13 @@ from typing import Annotated, Final, Literal
 import msgspec
 
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.places import Place
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.places import FARTHEST, Place, require_place_name
+from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 LARGEST: Final = 8192
 """Bytes of a message of a page."""
 
+_Number = Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
 _Digits = Annotated[str, msgspec.Meta(pattern=r"^[0-9]{1,20}\Z")]
 Moment = tuple[_Digits, _Digits]
 """A tick: epoch and robot_ns, as the state has them; the page gives it back unchanged."""
@@ -38,17 +39,17 @@ def robot_time(tick: Moment | None) -> RobotTime | None:
 
 
 class _FromPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
-    """What a page says."""
+    """Each message of a page."""
 
 
 class PageWish(_FromPage, frozen=True, kw_only=True, tag="wish"):
     """What the hand asks, made in one animation frame of a page that is visible and has the focus."""
 
-    n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+    n: _Number
     """Counts the wishes of this page's connection upwards."""
     tick: Moment | None
     """Newest the page held at the newest event that this stands on (`tilt`: of the newest reading; else this frame)."""
-    hold: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+    hold: _Number
     """Counts the touches (or presses, when no key was down) since the page was loaded; 0: nothing is held now."""
     input: Input
     forward: Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)] = 0.0
@@ -64,7 +65,7 @@ class PageWish(_FromPage, frozen=True, kw_only=True, tag="wish"):
 class LetGo(_FromPage, frozen=True, kw_only=True, tag="let_go"):
     """The hold has ended. `finger`: on purpose. Else the page has lost the hand, and why is told."""
 
-    n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+    n: _Number
     """Goes on counting the wishes."""
     why: Literal["finger", "cancelled", "hidden", "focus", "turned", "idle", "stalled", "left", "gamepad"]
     """`cancelled`: the browser took the touch for itself; `idle`: 1 s without an event; `stalled`: the page stood
@@ -95,7 +96,7 @@ class Reset(_FromPage, frozen=True, kw_only=True, tag="reset"):
 class StateSeen(_FromPage, frozen=True, kw_only=True, tag="seen"):
     """The page has shown the state of this number: it may be sent newer ones."""
 
-    n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+    n: _Number
 
 
 class End(_FromPage, frozen=True, kw_only=True, tag="end"):
@@ -117,11 +118,43 @@ class PictureSeen(_FromPage, frozen=True, kw_only=True, tag="picture_seen"):
     n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 32)]
 
 
-FromPage = PageWish | LetGo | Stop | Reset | StateSeen | End | Look | PictureSeen
+_Metre = Annotated[float, msgspec.Meta(ge=-FARTHEST, le=FARTHEST)]
+Spot = str | tuple[_Metre, _Metre]  # msgspec 0.22 crashes by a str with limits beside a tuple
+"""Name of a place, or a point (x, y; m) of the floor plan."""
+
+
+class Go(_FromPage, frozen=True, kw_only=True, tag="go"):
+    """Asks for a route: a second tap, on a question that names its goal."""
+
+    n: _Number
+    """Counts the routes that this page asks for, from 1."""
+    tick: Moment
+    """Newest that the page held at the tap."""
+    goal: Spot
+
+    def __post_init__(self) -> None:
+        if isinstance(self.goal, str):
+            require_place_name(self.goal)
+
+
+class RouteHold(_FromPage, frozen=True, kw_only=True, tag="route_hold"):
+    """The page that has asked for a route is still in front, and has heard the robot just now."""
+
+    tick: Moment
+
+
+class RouteCancel(_FromPage, frozen=True, kw_only=True, tag="route_cancel"):
+    """Ends the route. Every page is heard, as with a stop."""
+
+    n: _Number = 0
+    """Number of this page's `Go`; 0: whichever route goes on."""
+
+
+FromPage = PageWish | LetGo | Stop | Reset | StateSeen | End | Look | PictureSeen | Go | RouteHold | RouteCancel
 
 
 class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):
-    """What a page is told."""
+    """Each message to a page."""
 
 
 Lines = tuple[tuple[tuple[float, float], ...], ...]
@@ -308,6 +341,33 @@ class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):
 
     why: Trouble
     """`NO_TROUBLE`: it counts, or there is none."""
+    route: bool = False
+    """It is about this page's route instead: that did not begin, or nobody tells how it goes on."""
+
+
+class Route(_ToPage, frozen=True, kw_only=True, tag="route"):
+    """The route that goes on, or has ended a while ago, for every page; whenever it changes."""
+
+    stage: str = "idle"
+    """As `RouteState` has it. `asking`: nobody has answered yet; `idle`: there is nothing to show."""
+    page: int = 0
+    """Number of the page that has asked for it, by its `Go` of number `n`; 0: none of this service's."""
+    n: int = 0
+    by: str = ""
+    goal: Spot | None = None
+    end: tuple[float, float] | None = None
+    """m, in `map`; None: nobody has told where the goal is. `at`: of what is in the way."""
+    corners: tuple[tuple[float, float], ...] = ()
+    """m, in `map`: from the end of this leg to the goal."""
+    at: tuple[float, float] | None = None
+    leg: int = 0
+    legs: int = 0
+    come: float = 0.0
+    """m that the robot has come, of `way`."""
+    way: float = 0.0
+    outcome: str = ""
+    why: Trouble = NO_TROUBLE
+    """Cause, where it waits, or has not arrived."""
 
 
 class Looking(_ToPage, frozen=True, kw_only=True, tag="looking"):
@@ -336,4 +396,4 @@ class OpenPages(_ToPage, frozen=True, kw_only=True, tag="pages"):
     pages: tuple[OpenPage, ...]
 
 
-ToPage = Hello | State | Plan | Refused | Looking | OpenPages
+ToPage = Hello | State | Plan | Route | Refused | Looking | OpenPages

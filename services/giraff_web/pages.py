@@ -5,7 +5,25 @@ from typing import NamedTuple, Protocol
 
 from giraff_core.io import Selectable
 from giraff_schemas.messages import EStop
-from giraff_web.messages import Hello, LetGo, Look, Looking, PageWish, PictureSeen, Plan, Refused, Reset, State
+from giraff_web.messages import (
+    Go,
+    Hello,
+    LetGo,
+    Look,
+    Looking,
+    PageWish,
+    PictureSeen,
+    Plan,
+    Refused,
+    Reset,
+    Route,
+    RouteCancel,
+    RouteHold,
+    State,
+)
+
+ForOnePage = Hello | Plan | Route | Refused | Looking
+"""Messages that the service sends to one page."""
 
 
 class Opened(NamedTuple):
@@ -25,10 +43,10 @@ class Closed(NamedTuple):
 
 
 class Said(NamedTuple):
-    """A page that may drive has said something."""
+    """A page that may drive has said something, or any page that a route is to end."""
 
     page: int
-    message: PageWish | LetGo | Reset | Look | PictureSeen
+    message: PageWish | LetGo | Reset | Look | PictureSeen | Go | RouteHold | RouteCancel
 
 
 class StopAsked(NamedTuple):
@@ -57,7 +75,7 @@ class Pages(Selectable, Protocol):
         """Answer those whose stop an earlier turn has taken: base says in this turn that it stands."""
         ...
 
-    def send(self, page: int, message: Hello | Plan | Refused | Looking) -> None:
+    def send(self, page: int, message: ForOnePage) -> None:
         """Tell one page; nothing when it is gone."""
         ...
 

@@ -81,6 +81,15 @@ class WebPolicy(Hand):
         if self.may_drive(page):
             self._pages[page].hand.on_let_go(message)
 
+    def give_way(self) -> Trouble:
+        """Let go of the lease, as a route wants it. Return whose hand drives by it, and what to do then."""
+        driving = self._pages.get(self.driver.page)
+        if driving is not None and driving.hand.holds:
+            return Trouble(f"{driving.device} drives by a page of its own", "ask when it has let go")
+        self.operator.give_up()
+        self.driver = NOBODY
+        return NO_TROUBLE
+
     def on_stop(self, device: str) -> None:
         """A stop was asked for: no hand counts that holds on."""
         self.stopping = True

@@ -14,8 +14,8 @@ from giraff_core.senses import SENSED
 from giraff_core.timer import Timer
 from giraff_schemas.camera import CameraState
 from giraff_schemas.localization import MapWalls
-from giraff_schemas.messages import EStop
-from giraff_schemas.places import Places
+from giraff_schemas.messages import EStop, Sample
+from giraff_schemas.places import Places, RouteState
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
     ATTITUDE,
@@ -30,16 +30,33 @@ from giraff_schemas.topics import (
     ODOM,
     PLACES,
     POSE,
+    ROUTE,
     Topic,
 )
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 from giraff_web.camera import PageCameras
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
-from giraff_web.messages import Hello, LetGo, Lines, Look, PageWish, PictureSeen, Plan, Refused, Reset, Room
+from giraff_web.messages import (
+    Go,
+    Hello,
+    LetGo,
+    Lines,
+    Look,
+    PageWish,
+    PictureSeen,
+    Plan,
+    Refused,
+    Reset,
+    Room,
+    Route,
+    RouteCancel,
+    RouteHold,
+)
 from giraff_web.pages import Closed, Event, Opened, Pages, Said, StopAsked
 from giraff_web.picture import Picture
 from giraff_web.policy import NOBODY, WebPolicy
+from giraff_web.route import PageRoutes
 from giraff_web.stops import Stops
 
 SHOWN_HZ: Final = 25
@@ -72,9 +89,10 @@ class Web(OperatorService):
         self._by = f"{config.operator}@{io.hostname}"
         self._stops = Stops(self._engage, self._reset, self._log, is_open=io.is_open)
         self._looking = PageCameras(pages, self._by, open_source)
+        self._routes = PageRoutes(io, self._by, pages.send, log)
         super().__init__(io, self._policy)
         self.link = pages
-        told: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), CAMERA_STATE)
+        told: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, *SENSED.values(), CAMERA_STATE, ROUTE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
         newest: list[Topic[Any]] = [ODOM, ATTITUDE, POSE, MAP, PLACES]
         self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
@@ -89,6 +107,8 @@ class Web(OperatorService):
         self._places: Places | None = None
         self._plan: Plan | None = None
         """Floor plan that the pages were told last."""
+        self._route = Route()
+        """Route that the pages were told last."""
 
     def turn(self, now: float) -> None:
         policy = self._policy
@@ -97,21 +117,17 @@ class Web(OperatorService):
             self._on_event(event, now)
         self.read_inboxes(now)
         for sample in (sample for inbox in self._told for sample in inbox.pop_all()):
-            if isinstance(sample, CameraState):
-                self._looking.on_state(sample, now)
-                continue
-            if isinstance(sample, MapWalls | Places):
-                self._on_plan(sample)
-                continue
-            self._picture.on_sample(sample, now)
-            if isinstance(sample, EStop):
-                self._stops.on_estop(sample, now)
+            self._on_sample(sample, now)
         self._stops.poll(now)
         if (word := self._stops.confirmed(now)) is not None:
             self._pages.confirm(word)
         policy.stopping = self._stops.asked
         self.say(now)
+        self._routes.poll(now, is_own_lease=policy.operator.holder == policy.operator.name)
         if self._show_timer.due(now):
+            if (route := self._routes.view(now)) != self._route:
+                self._route = route
+                self._tell_all(route)
             self._pages.show(self._picture.state(policy, self._stops.outcome, now, self._looking.view(now)))
         self._looking.poll(now)
         if (devices := self._looking.devices) != self._lookers:
@@ -126,6 +142,19 @@ class Web(OperatorService):
         super().on_said(asked, now)
         self._tell_pages()
 
+    def _on_sample(self, sample: Sample, now: float) -> None:
+        match sample:
+            case CameraState():
+                self._looking.on_state(sample, now)
+            case MapWalls() | Places():
+                self._on_plan(sample)
+            case RouteState():
+                self._routes.on_state(sample, now)
+            case _:
+                self._picture.on_sample(sample, now)
+                if isinstance(sample, EStop):
+                    self._stops.on_estop(sample, now)
+
     def _on_event(self, event: Event, now: float) -> None:
         policy = self._policy
         match event:
@@ -135,13 +164,17 @@ class Web(OperatorService):
                 self._open.add(event.page)
                 if self._plan is not None:
                     self._pages.send(event.page, self._plan)
+                if self._route != Route():
+                    self._pages.send(event.page, self._route)
             case Closed():
                 policy.on_closed(event.page)
+                self._routes.cancel(now, event.page)
                 self._open.discard(event.page)
                 self._looking.on_closed(event.page)
                 self._lost.pop(event.page, None)
             case StopAsked():
                 policy.on_stop(event.device)
+                self._routes.cancel(now)
                 self._stops.stop(event.device, now, off=event.off)
             case Said(page, PictureSeen(n=n)):
                 self._looking.on_seen(page, n, now)
@@ -157,20 +190,33 @@ class Web(OperatorService):
             self._walls = sample
         if self._walls is not None and (plan := _plan(self._walls, self._places)) != self._plan:
             self._plan = plan
-            for page in self._open:
-                self._pages.send(page, plan)
+            self._tell_all(plan)
+
+    def _tell_all(self, message: Plan | Route) -> None:
+        for page in self._open:
+            self._pages.send(page, message)
 
     def _take_said(self, said: Said, now: float) -> None:
         page, policy = said.page, self._policy
         match said.message:
             case PageWish() as wish:
                 policy.on_wish(page, wish, now)
+                if wish.hold and policy.may_drive(page):  # a hand takes over
+                    self._routes.cancel(now)
             case LetGo() as message:
                 policy.on_let_go(page, message)
             case Reset() as reset:
                 self._take_reset(page, reset, now)
             case Look(on=on) if policy.may_drive(page):  # who may not drive may not see
                 self._looking.switch(page, policy.device(page), on=on)
+            case Go() as go if policy.may_drive(page):
+                self._routes.go(page, policy.device(page), go, policy.give_way(), now)
+            case RouteHold() as hold:
+                self._routes.on_hold(page, hold, now)
+            case RouteCancel(n=0):
+                self._routes.stop(policy.device(page), now)
+            case RouteCancel(n=n):
+                self._routes.cancel(now, page, n)
 
     def _take_reset(self, page: int, reset: Reset, now: float) -> None:
         if not self._policy.may_drive(page):

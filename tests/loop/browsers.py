@@ -24,19 +24,20 @@ from giraff_sim.world.hand import StillHand
 from giraff_web.config import WebConfig
 from giraff_web.messages import (
     FromPage,
+    Go,
     Hello,
     Input,
     LetGo,
-    Looking,
     PageWish,
     Plan,
     Reading,
     Refused,
     Reset,
+    RouteHold,
     State,
     ToPage,
 )
-from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
+from giraff_web.pages import Closed, Event, ForOnePage, Opened, Said, StopAsked
 from giraff_web.service import Web
 from tests.loop.loops import COARSE_STEP_US, GRAVITY, SETTINGS, SeenRobot
 from tests.sim.robots import EXACT, proving_room
@@ -69,7 +70,7 @@ class Browser:
         """Forward and left, each a share."""
         self.tilted = (0.0, 0.0)
         """Degrees that the phone dips forward and left."""
-        self.hung = False
+        self.hung = self.is_going = False
         self.plans: list[Plan] = []
         self.said: list[Said] = []
         """All of it, in its order."""
@@ -92,11 +93,18 @@ class Browser:
         self._n += 1
         self.say(LetGo(n=self._n, why=why))
 
-    def say(self, message: PageWish | LetGo | Reset) -> None:
+    def say(self, message: PageWish | LetGo | Reset | Go | RouteHold) -> None:
         decoded = _decoder.decode(msgspec.json.encode(message))
-        assert isinstance(decoded, PageWish | LetGo | Reset)
+        assert isinstance(decoded, PageWish | LetGo | Reset | Go | RouteHold)
         self.said.append(Said(self.number, decoded))
         self._events.append(self.said[-1])
+
+    def go(self, place: str) -> None:
+        """The second tap, on the question whether to go there. From now on the page holds on to that route."""
+        assert self.state is not None
+        assert self.state.tick is not None
+        self.is_going = True
+        self.say(Go(n=1, tick=self.state.tick, goal=place))
 
     def stop(self) -> None:
         self._events.append(StopAsked(self.device))
@@ -116,6 +124,8 @@ class Browser:
         """One animation frame of a page that is visible and has the focus."""
         while self._states and self._states[0][0] <= now and not self.hung:
             self.state = self._states.popleft()[1]
+            if self.is_going and self.state.tick is not None:
+                self.say(RouteHold(tick=self.state.tick))
         if self.hung or self.state is None or self.state.tick is None or not self._is_due(self.state, now):
             return
         self._wished, self._wished_at = self.state, now
@@ -201,7 +211,7 @@ class Browsers:
     def send_picture(self, page: int, data: bytes) -> None:
         raise AssertionError(f"page {page} does not look, and is sent {len(data)} bytes")
 
-    def send(self, page: int, message: Hello | Plan | Refused | Looking) -> None:
+    def send(self, page: int, message: ForOnePage) -> None:
         if page not in self.open:
             return
         if isinstance(message, Hello):

@@ -20,11 +20,12 @@ from giraff_web.messages import (
     OpenPage,
     OpenPages,
     Plan,
-    Refused,
+    Route,
+    RouteCancel,
     StateSeen,
     Stop,
 )
-from giraff_web.pages import Event, Said, StopAsked
+from giraff_web.pages import Event, ForOnePage, Said, StopAsked
 
 BAD_MESSAGE: Final = 4400
 NOT_ALLOWED: Final = 4403
@@ -98,7 +99,8 @@ class Connection:
         self._sent = -1
         self._state: Shown | None = None
         self._picture: bytes | None = None
-        self._plan: bytes | None = None
+        self._newest: dict[type, bytes] = {}
+        """Route and plan that wait. Older ones say nothing any more."""
         self._told: deque[bytes] = deque(maxlen=_MOST_TOLD)
         self._greeted = False
         self._silenced = False
@@ -120,12 +122,12 @@ class Connection:
         """This page, as others are told of it."""
         return OpenPage(page=self.page, device=self.device, may_drive=self.may_drive, age=now - self._opened)
 
-    def send(self, message: Hello | Plan | Refused | Looking | OpenPages) -> None:
+    def send(self, message: ForOnePage | OpenPages) -> None:
         self._greeted = self._greeted or isinstance(message, Hello)
         if isinstance(message, Looking) and not message.on:
             self._picture = None  # it looks no longer, and its link may be slow
-        if isinstance(message, Plan):
-            self._plan = msgspec.json.encode(message)
+        if isinstance(message, Plan | Route):
+            self._newest[type(message)] = msgspec.json.encode(message)
         else:
             self._told.append(msgspec.json.encode(message))
         self._news.set()
@@ -193,7 +195,7 @@ class Connection:
                 return f"no state {said.n} was sent here"
             self._send_window.seen(said.n, now)
             self._news.set()
-        elif not isinstance(said, Stop) and self.may_drive and not self._silenced:
+        elif not isinstance(said, Stop) and (self.may_drive or isinstance(said, RouteCancel)) and not self._silenced:
             if isinstance(said, End):
                 self._end_page(said.page, self.device)
             else:
@@ -213,7 +215,7 @@ class Connection:
                 await self.socket.send_frame(*found)
 
     def _next(self) -> tuple[bytes, WSMsgType] | None:
-        """Return the next frame. A plan and a picture wait for all else: they take a slow link for long."""
+        """Return the next frame. Plan and picture wait for all else: they take a slow link for long."""
         if self._told:
             return self._told.popleft(), WSMsgType.TEXT
         if not self._greeted or not self._send_window.allows():
@@ -223,9 +225,8 @@ class Connection:
             self._sent = state.n
             self._send_window.sent(state.n, self._loop.time())
             return state.data, WSMsgType.TEXT
-        if self._plan is not None:
-            plan, self._plan = self._plan, None
-            return plan, WSMsgType.TEXT
+        if self._newest:
+            return self._newest.pop(Route if Route in self._newest else Plan), WSMsgType.TEXT
         picture, self._picture = self._picture, None
         return None if picture is None else (picture, WSMsgType.BINARY)
 

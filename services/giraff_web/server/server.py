@@ -19,8 +19,8 @@ from giraff_schemas.messages import EStop
 from giraff_web.config import WebConfig
 from giraff_web.event_box import EventBox
 from giraff_web.limits import Limits
-from giraff_web.messages import Hello, Looking, OpenPages, Plan, Refused, State
-from giraff_web.pages import Closed, Event, Opened, StopAsked
+from giraff_web.messages import OpenPages, State
+from giraff_web.pages import Closed, Event, ForOnePage, Opened, StopAsked
 from giraff_web.server.certificates import Certificate
 from giraff_web.server.connection import ENDED, LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
 from giraff_web.server.connection_limiter import ConnectionLimiter, in_address
@@ -148,7 +148,7 @@ class Server:
         if self._stop_answers.is_waited:
             self._call(self._stop_answers.give, word, self._stop_answers.turns)
 
-    def send(self, page: int, message: Hello | Plan | Refused | Looking) -> None:
+    def send(self, page: int, message: ForOnePage) -> None:
         self._call(self._send, page, message)
 
     def send_picture(self, page: int, data: bytes) -> None:
@@ -171,7 +171,7 @@ class Server:
             for connection in self._connections.values():
                 connection.offer(self._shown)
 
-    def _send(self, page: int, message: Hello | Plan | Refused | Looking) -> None:
+    def _send(self, page: int, message: ForOnePage) -> None:
         if connection := self._connections.get(page):
             connection.send(message)
 

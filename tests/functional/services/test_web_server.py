@@ -9,7 +9,7 @@ import aiohttp
 import pytest
 
 from giraff_web.limits import Limits
-from giraff_web.messages import LetGo, PageWish, Reset
+from giraff_web.messages import LetGo, PageWish, Reset, RouteCancel
 from giraff_web.pages import Closed, Opened, Said, StopAsked
 from giraff_web.server.host import Ask, ask, sockets
 from tests.support.web_pages import HOST, IPHONE, STOP, Desk, browser, closed, page, sign_in, told, trying, wish
@@ -24,10 +24,12 @@ def test_who_has_no_token_watches_and_may_stop_and_nothing_else(tmp_path: Path) 
             assert (first["type"], first["device"], first["may_drive"]) == ("hello", IPHONE, False)
             reset = '{"type": "reset", "id": "1", "engaged_ns": "2", "tick": null}'
             look = '{"type": "look", "on": true}'
-            for text in (wish(1), reset, '{"type": "let_go", "n": 2, "why": "finger"}', look, STOP):
+            let_go = '{"type": "let_go", "n": 2, "why": "finger"}'
+            go = '{"type": "go", "n": 1, "tick": ["1", "1"], "goal": "kitchen"}'
+            for text in (wish(1), reset, let_go, look, go, '{"type": "route_cancel"}', STOP):
                 await socket.send_str(text)
             await it.until(lambda: it.of(StopAsked))
-            assert it.events == [Opened(1, IPHONE, may_drive=False), StopAsked(IPHONE)]
+            assert it.events == [Opened(1, IPHONE, may_drive=False), Said(1, RouteCancel()), StopAsked(IPHONE)]
         await it.until(lambda: it.of(Closed))
 
     trying(tmp_path, course)

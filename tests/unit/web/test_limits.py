@@ -2,7 +2,7 @@
 
 from giraff_web.event_box import EventBox
 from giraff_web.limits import Rate, SendWindow
-from giraff_web.messages import LetGo, PageWish, Reset
+from giraff_web.messages import LetGo, PageWish, Reset, RouteHold
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 
 
@@ -73,8 +73,8 @@ def test_of_a_flood_of_wishes_the_oldest_go_and_nothing_else() -> None:
 def test_a_flood_of_anything_takes_no_more_room() -> None:
     it = EventBox()
     for n in range(5000):
-        reset = Reset(id="1", engaged_ns="1", tick=None)
-        for event in (wish(n), let_go(n), Said(1, reset), StopAsked(str(n))):
+        reset, hold = Reset(id="1", engaged_ns="1", tick=None), RouteHold(tick=("1", "1"))
+        for event in (wish(n), let_go(n), Said(1, reset), Said(1, hold), StopAsked(str(n))):
             it.put(event)
     assert len(it) == 32 + 8 + 64
     assert sum(isinstance(event, StopAsked) for event in it.pop_all()) == 64
