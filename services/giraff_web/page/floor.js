@@ -1,5 +1,6 @@
 // The floor plan: the robot in the middle, its front up; walls, path and what the sensors see around it.
 
+import { FINGER, goalAt } from "./route.js";
 import { clearance, isPlaced, knownPlan } from "./words.js";
 
 /** m from the robot to the nearer edge of the picture. */
@@ -79,6 +80,8 @@ export class Floor {
     this._changed = true;
     this._ratio = 1;
     this._scale = 0;
+    /** From the floor plan to the canvas's pixels; null: none is drawn. @type {DOMMatrix | null} */
+    this._onPlan = null;
     new ResizeObserver(() => this._resize()).observe(canvas);
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this._readColours());
@@ -90,10 +93,17 @@ export class Floor {
     this._changed = true;
   }
 
+  /** What a tap there means, px of the page; null: no floor plan is drawn. @returns {string | [number, number] | null} */
+  goalAt(x, y, places) {
+    const ratio = this._ratio;
+    return this._onPlan && goalAt(this._onPlan, places, x * ratio, y * ratio, FINGER * ratio);
+  }
+
   /** Draw what has changed. `linked`: it is of now. */
-  draw(hello, state, trail, linked, plan = null) {
+  draw(hello, state, trail, linked, plan = null, route = null) {
     if (!this._changed || !this._canvas.width) return;
     this._changed = false;
+    this._onPlan = null;
     const pen = this._pen;
     const { width, height } = this._canvas;
     pen.setTransform(1, 0, 0, 1, 0, 0);
@@ -106,7 +116,8 @@ export class Floor {
     pen.globalAlpha = linked ? 1 : 0.35;
     this._rings();
     const room = surroundings(state, hello.room, plan);
-    if (state.pose) this._around(state.pose, room, room && roomPlace(state, room), trail);
+    const known = knownPlan(state, plan)?.walls.length ? { route, from: state.map.pose } : null;
+    if (state.pose) this._around(state.pose, room, room && roomPlace(state, room), trail, known);
     const evidence = Object.values(state.evidence);
     for (const view of evidence) this._area(view);
     this._robot(hello, state);
@@ -166,7 +177,8 @@ export class Floor {
     pen.restore();
   }
 
-  _around([x, y, yaw], room, place, trail) {
+  /** `known`: the robot's pose on the floor plan, and the route; null: nobody knows it. */
+  _around([x, y, yaw], room, place, trail, known) {
     const pen = this._pen;
     pen.save();
     pen.rotate(-yaw);
@@ -186,8 +198,30 @@ export class Floor {
         this._stroke(this._colours.bad, 3, [7, 6]);
       }
       for (const named of room.places ?? []) this._named(named);
+      if (known) this._onPlan = pen.getTransform();
+      if (known?.route) this._route(known.route, known.from);
     }
     pen.restore();
+  }
+
+  /** What is left of a route, its goal as a ring, and a cross where something is in the way. */
+  _route({ corners, end, at, stage }, from) {
+    const pen = this._pen;
+    if (corners.length) {
+      this._line([from, ...corners]);
+      this._stroke(this._colours.good, 4, [10, 7]);
+    }
+    if (end && stage !== "ended") {
+      pen.beginPath();
+      pen.arc(end[0], end[1], this._px(11), 0, 2 * Math.PI);
+      this._stroke(this._colours.good, 4);
+    }
+    if (!at) return;
+    const half = this._px(9);
+    for (const side of [half, -half]) {
+      this._line([[at[0] - half, at[1] - side], [at[0] + half, at[1] + side]]);
+      this._stroke(this._colours.bad, 4);
+    }
   }
 
   /** A dot with a short heading, and its name, upright however the plan is turned. */

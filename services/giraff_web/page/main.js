@@ -11,6 +11,7 @@ import * as pad from "./pad.js";
 import { Panel, byId, write } from "./panel.js";
 import { Picture } from "./picture.js";
 import { Question, StopButton } from "./question.js";
+import { RouteBar, RouteHand } from "./route.js";
 import { Motion, screenAngle } from "./tilt.js";
 import { isStopped, line } from "./words.js";
 
@@ -25,6 +26,7 @@ const at = {
   hello: /** @type {any} */ (null),
   plan: /** @type {any} */ (null),
   state: /** @type {any} */ (null),
+  route: /** @type {any} */ (null),
   arrived: -Infinity,
   linked: false,
   heard: false,
@@ -56,7 +58,15 @@ const stop = new StopButton(clock, {
   say: (off) => {
     hand.onStop();
     link.say({ type: "stop", off });
+    routes.end();
     fetch(off ? "/stop?off" : "/stop", { method: "POST", keepalive: true }).catch(() => {});
+  },
+});
+const routes = new RouteHand((message) => link.say(message));
+const routeBar = new RouteBar(routes, {
+  go: (when) => {
+    if (isFresh(when, clock()) && hand.isLinked(clock())) routes.go(hand.tick);
+    changed = true;
   },
 });
 const gamepads = new gamepad.Gamepads(hand, stop);
@@ -75,7 +85,7 @@ function onMessage(message) {
   changed = true;
   if (message.type === "hello") {
     at.hello = message;
-    at.plan = null;
+    at.plan = at.route = null;
     at.me = message.page;
     at.mayDrive = message.may_drive;
     if (message.may_drive) at.session = "";
@@ -98,17 +108,27 @@ function onMessage(message) {
   } else if (message.type === "plan") {
     at.plan = message;
     floor.touch();
+  } else if (message.type === "route") {
+    at.route = message.stage === "idle" ? null : message;
+    routes.onRoute(message, at.me);
+    floor.touch();
   } else if (message.type === "pages") {
     others.onPages(message.pages, at.me);
   } else if (message.type === "looking") {
     picture.onLooking(message);
+  } else if (message.type === "refused" && message.route) {
+    if (routes.onOver()) refuse(message.why, now + REFUSAL);
   } else if (message.type === "refused") {
     if (message.why.what) {
       hand.onRefused();
-      at.refused = line(message.why, at.mayDrive);
-      at.refusedUntil = Infinity;
+      refuse(message.why, Infinity);
     } else at.refusedUntil = now + REFUSAL;
   }
+}
+
+function refuse(why, until) {
+  at.refused = line(why, at.mayDrive);
+  at.refusedUntil = until;
 }
 
 /** The robot, driven from here, has come upon what holds it. */
@@ -119,6 +139,7 @@ function buzz(state) {
 
 function onCut() {
   hand.onCut();
+  routes.onCut();
   picture.end("the link was lost");
   floor.touch();
 }
@@ -161,8 +182,10 @@ function frame() {
   if (pads.some(Boolean)) byId("mode-gamepad").hidden = false; // it stays: what was chosen does not go
   gamepads.onFrame(pads, now);
   hand.onFrame(now);
+  if (hand.hold) routes.end();
+  routes.onFrame(hand.tick);
   if (changed || hand.hold !== at.hold || picture.hasAged(now)) draw(now);
-  floor.draw(at.hello, at.state, trail, at.linked, at.plan);
+  floor.draw(at.hello, at.state, trail, at.linked, at.plan, at.route);
   const field = byId(at.input);
   if (at.input === "keys") keys.draw(field, hand);
   else if (at.input === "gamepad") gamepad.draw(field, hand, pads);
@@ -182,6 +205,7 @@ function draw(now) {
   if (hand.hold || now > at.refusedUntil || isStopped(at.state)) at.refused = "";
   wake(hand.hold > 0);
   panel.draw(at, now);
+  routeBar.draw(at);
   others.draw(at);
   balance.draw(at.state, linked, now);
   picture.draw(at, now);
@@ -232,14 +256,26 @@ pad.listen(byId("tilt"), hand, clock);
 keys.listen(hand, stop, clock);
 document.addEventListener("visibilitychange", () => {
   hand.onVisible(!document.hidden);
-  if (document.hidden) picture.end("the page was hidden");
+  if (!document.hidden) return;
+  picture.end("the page was hidden");
+  routes.end();
 });
 addEventListener("focus", () => hand.onFocused(true));
 addEventListener("blur", () => {
   hand.onFocused(false);
+  routes.end();
   stop.letGo(); // where a key is let go then is not heard
 });
-addEventListener("pagehide", () => hand.onLeft());
+addEventListener("pagehide", () => {
+  hand.onLeft();
+  routes.end();
+});
+// Where a picture fills the screen, the plan is not there; a finger that scrolls is no click.
+byId("floor").addEventListener("click", (event) => {
+  const goal = RouteBar.mayAsk(at) ? floor.goalAt(event.offsetX, event.offsetY, at.plan.places) : null;
+  if (goal !== null) routes.onTap(goal);
+  changed = true;
+});
 const onTurn = () => {
   hand.onTurned();
   hand.onAngle(screenAngle());

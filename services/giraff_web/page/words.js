@@ -111,7 +111,8 @@ export function armedText(state, me, input) {
 /**
  * Why the robot does not drive as this page asks, in one sentence; else what to do.
  * @param {{linked: boolean, heard: boolean, closed: string, mayDrive: boolean, session: string, refused: string,
- *   ended: string, hold: number, stopping: boolean, input: import("./hand.js").Input, me: number, state: any}} at
+ *   ended: string, hold: number, stopping: boolean, input: import("./hand.js").Input, me: number, state: any,
+ *   route?: any}} at `route`: that goes on, or has ended a while ago
  */
 export function whyText(at) {
   if (!at.linked) {
@@ -121,9 +122,11 @@ export function whyText(at) {
   if (at.stopping) return "The emergency stop was asked for on this page.";
   const stopped = isStopped(at.state) && `STOPPED. ${sentence(howToRelease(at.state.stop, at.mayDrive))}.`;
   const address = at.session ? sentence(at.session).replace(/[^.]$/, "$&.") : ADDRESS;
-  if (!at.mayDrive) return `${stopped || "You can watch and stop."} ${address}`;
+  const route = !at.hold && routeWhy(at.route, at.mayDrive);
+  if (!at.mayDrive) return `${stopped || route || "You can watch and stop."} ${address}`;
   if (stopped) return stopped;
   if (at.refused) return sentence(at.refused);
+  if (route) return route;
   if (!at.hold && ENDED[at.ended]) {
     return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input]}.`;
   }
@@ -204,6 +207,32 @@ export function knownPlan({ map }, plan) {
 /** Whether localization knows the place, by the sensors or because a person gave it. */
 export function isPlaced(map) {
   return map.state === "localized" || map.state === "told";
+}
+
+/** A place by its name, or a point: "(3.2, 1.5)". @param {string | [number, number] | null} goal */
+export function goalText(goal) {
+  return Array.isArray(goal) ? `(${goal.map((metres) => fixed(metres, 1)).join(", ")})` : (goal ?? "nowhere");
+}
+
+/** Whether a route goes on, as the service tells it. */
+export function goesOn(route) {
+  return Boolean(route) && route.stage !== "ended";
+}
+
+/** How far a route is: "To kitchen: leg 2 of 5, 3.2 of 7.9 m". `goal`: that this page has asked for. */
+export function routeText(route, goal) {
+  if (!goesOn(route) || !route.legs) return `To ${goalText(goal ?? route.goal)}: asked for`;
+  const { leg, legs, come, way } = route;
+  return `To ${goalText(route.goal)}: leg ${Math.max(1, leg)} of ${legs}, ${fixed(come, 1)} of ${fixed(way, 1)} m`;
+}
+
+/** Why a route waits, or how it has ended; empty: there is none. */
+export function routeWhy(route, mayDrive) {
+  if (!route) return "";
+  const [goal, why] = [goalText(route.goal), line(route.why, mayDrive)];
+  if (route.outcome === "arrived") return `Arrived at ${goal}.`;
+  if (!goesOn(route)) return `Not at ${goal}: ${why || route.outcome.replaceAll("_", " ")}.`;
+  return why ? `${sentence(why)}.` : `Going to ${goal} for ${route.by}.`;
 }
 
 /** Where the robot is on the map, in one short line. */
