@@ -153,11 +153,14 @@ class Driving:
         if (reason := places.reason(now)) or isinstance(pose, Trouble) or places.planner is None:
             return reason or (pose if isinstance(pose, Trouble) else places.no_plan)
         ends = Pose(pose.x, pose.y, pose.yaw), Pose(goal.x, goal.y, goal.yaw or 0.0)
-        things = [] if self._things is None or not avoids else self._things.walls(now)
-        found = places.planner.route(*ends, places.known.no_go, things)
-        if isinstance(found, NoRoute) and things and self._things is not None:
-            # What nobody has seen for some seconds may have gone.
-            found = places.planner.route(*ends, places.known.no_go, self._things.walls(now, WAITS))
+        if self._things is None or not avoids:
+            return places.planner.route(*ends, places.known.no_go)
+        things, near = self._things.walls(now), self._things.walls_near(ends[0], now)
+        found = places.planner.route(*ends, places.known.no_go, things + near)
+        # What nobody has seen for some seconds may have gone.
+        for walls in (things, self._things.walls(now, WAITS)):
+            if isinstance(found, NoRoute):
+                found = places.planner.route(*ends, places.known.no_go, walls)
         return found
 
     def _seen(self, now: float) -> tuple[float, float] | None:
