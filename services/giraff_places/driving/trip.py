@@ -109,7 +109,7 @@ class Trip:
         self._legs = 0
         self._requester: MotionRequester | None = None
         self._motion: HeldMotion | None = None
-        self._next: Callable[[float], None] | None = self._plan
+        self._next: Callable[[float], None] | None = self._begin
         """Step to do at `_due`, while no motion goes on."""
         self._due = now
         self._done: Callable[[float], None] = self._plan
@@ -198,6 +198,13 @@ class Trip:
     def _come(self) -> float:
         """m that the robot has come on this leg."""
         return math.dist(self._corners[0], (self._pose.x, self._pose.y)) if self._corners and self._pose else 0.0
+
+    def _begin(self, now: float) -> None:
+        """Turn round first where somebody has said where it is: the sensors confirm it then, or contradict it."""
+        if isinstance(pose := self._robot.pose(now), MapPose) and pose.state == "told":
+            self._ask(Turn(angle=math.tau), self._plan)
+        else:
+            self._plan(now)
 
     def _plan(self, now: float) -> None:
         """Plan the way from here, and go its first leg, or wait."""
