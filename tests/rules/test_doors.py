@@ -9,6 +9,7 @@ from msgspec.structs import fields
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels import camera_doubt
+from giraff_core.motion import timely
 from giraff_guard.config import GuardConfig
 from giraff_keyboard.policy import KEY_LASTS
 from giraff_motion import localized, policy
@@ -28,7 +29,7 @@ def default(config: type[msgspec.Struct], name: str) -> float:
 OPERATOR: Final = default(BaseConfig, "operator_budget")
 MOST: Final = {
     "cmd_vel/*": default(GuardConfig, "operator_budget"),
-    **dict.fromkeys(("motion/move", "motion/turn", "motion/arc", "motion/go"), policy._WISH_COUNTS),
+    **dict.fromkeys(("motion/move", "motion/turn", "motion/arc", "motion/go"), timely.WISH_COUNTS),
     "motion/hold": policy._HOLD_COUNTS,
     "pose": localized._COUNTS,
     "visual_odom": camera_doubt._OLDEST,

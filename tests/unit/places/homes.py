@@ -1,5 +1,6 @@
 """A home of one room, its localization, and a giraff_places of it."""
 
+from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -52,9 +53,11 @@ class Home:
         self.path = folder / "home.places.toml"
         self.write: Callable[[Path, bytes], object] = Path.write_bytes
         self.io = MagicMock()
-        boxes = {topic: Inbox[object](20) for topic in (MAP, POSE, PLACES, PLACES_SET)}
+        boxes = defaultdict[object, Inbox[object]](lambda: Inbox(20))
+        self._told = defaultdict[object, MagicMock](MagicMock)
         self.io.inbox.side_effect = lambda topic, **_: boxes[topic]
-        self.io.requests.side_effect = boxes.get
+        self.io.requests.side_effect = boxes.__getitem__
+        self.io.publisher.side_effect = self._told.__getitem__
         self._requests, self._poses, self._maps = boxes[PLACES_SET], boxes[POSE], boxes[MAP]
         plan = folder / "home.toml"
         store = PlacesStore(plan, self._write) if no_plan is None else None
@@ -84,7 +87,7 @@ class Home:
     @property
     def said(self) -> list[str]:
         """Names of the places and lines that were told last."""
-        told = self.io.publisher.return_value.put.call_args.args[0]
+        told = self._told[PLACES].put.call_args.args[0]
         return [each.name for each in (*told.places, *told.no_go)]
 
     @property
