@@ -10,6 +10,7 @@ from msgspec.structs import fields
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels import camera_doubt
 from giraff_core.motion import timely
+from giraff_core.motion.wish import OF_PLACES
 from giraff_guard.config import GuardConfig
 from giraff_keyboard.policy import KEY_LASTS
 from giraff_motion import localized, policy
@@ -29,8 +30,8 @@ def default(config: type[msgspec.Struct], name: str) -> float:
 OPERATOR: Final = default(BaseConfig, "operator_budget")
 MOST: Final = {
     "cmd_vel/*": default(GuardConfig, "operator_budget"),
-    **dict.fromkeys(("motion/move", "motion/turn", "motion/arc", "motion/go"), timely.WISH_COUNTS),
-    "motion/hold": policy._HOLD_COUNTS,
+    **dict.fromkeys(("motion/move", "motion/turn", "motion/arc", "motion/go", "places/go"), timely.WISH_COUNTS),
+    **dict.fromkeys(("motion/hold", "places/hold"), policy._HOLD_COUNTS),
     "pose": localized._COUNTS,
     "visual_odom": camera_doubt._OLDEST,
     "estop/reset": default(BaseConfig, "reset_budget"),
@@ -45,10 +46,11 @@ STOPS: Final = "it stops"
 
 
 def doors() -> set[str]:
-    """Return what others may say to base, guard and motion, and every service that may ask to drive."""
+    """Return what others may say to base, guard and motion and of routes, and every service that may ask to drive."""
     inside = {topic for service in SERVICES if service.inside for topic in service.publishes} - {OPERATOR_CMD_VEL}
     found = {query.key for service in (BASE, GUARD, MOTION) for query in service.answers}
     found |= {topic.key for service in (BASE, GUARD, MOTION) for topic in service.subscribes if topic not in inside}
+    found |= {OF_PLACES.go.key, OF_PLACES.hold.key, OF_PLACES.cancel.key}
     found |= {each.name for each in SERVICES if OPERATOR_CMD_VEL in each.publishes and each is not ROS2}
     return found | {f"ros2 {topic.name}" for topic in (*SUBSCRIBED, ESTOP)}
 
