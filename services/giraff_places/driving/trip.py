@@ -230,7 +230,7 @@ class Trip:
 
     def _announced(self, step: Callable[[float], None], words: Trouble, now: float) -> None:
         """Move by a step that is said before it is done, and slowly at first."""
-        self._careful = CAREFUL
+        self._careful, self._leg = CAREFUL, 0.0
         self.stage, self.reason = "waiting", words
         self._next, self._due = step, now + ANNOUNCES
 
@@ -328,7 +328,7 @@ class Trip:
         match "blocked" if self._stuck and not result.arrived else result.outcome:
             case "arrived":
                 self._done(now)
-            case "blocked" if self._is_at_goal:
+            case "blocked" if self._is_at_goal and self._done != self._settle:  # its last turn is asked for once
                 self._corrections = _CORRECTIONS
                 self._turn_at_goal(now)
             case "blocked" | "time_limit":

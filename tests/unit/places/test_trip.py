@@ -126,6 +126,27 @@ def test_a_robot_that_is_blocked_at_its_goal_has_arrived() -> None:
     assert (ride.end().outcome, len(ride.asked)) == ("arrived", 1)
 
 
+def test_a_turn_at_the_goal_that_is_blocked_is_waited_for_as_a_leg_is() -> None:
+    blocked: list[End] = ["blocked"] * 20
+    ride = Ride("arrived", *blocked)
+    ride.begin(TURNED)
+    assert ride.end().outcome == "blocked"
+    _, turn, *others = ride.asked
+    assert (turn.step, len(others)) == (Turn(angle=-math.pi / 2), TRIES)
+    assert all(asked.creeps and ride.announced(asked) > 1.0 - STEP / 2 for asked in others)
+
+
+def test_after_a_wait_it_creeps_even_where_it_has_turned_round_first() -> None:
+    ride = Ride("blocked")
+    ride.begin(NEAR)
+    ride.until_waiting()
+    ride.state = "lost"
+    ride.until(lambda: len(ride.asked) > 1)
+    ride.state = "localized"
+    assert ride.end().outcome == "arrived"
+    assert [(type(asked.step), asked.creeps) for asked in ride.asked[1:3]] == [(Turn, True), (GoTo, True)]
+
+
 def take(ride: Ride) -> None:
     ride.driver = "web"
 
