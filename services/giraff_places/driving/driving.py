@@ -169,4 +169,5 @@ class Driving:
             return None
         pose = self._pose
         x, y = pose.x + _AHEAD * math.cos(pose.yaw), pose.y + _AHEAD * math.sin(pose.yaw)
-        return self._things.nearest(x, y, now)
+        found = self._things.nearest(x, y, now)
+        return found if found is not None and math.dist(found, (x, y)) <= _AHEAD else None

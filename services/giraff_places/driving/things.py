@@ -18,14 +18,12 @@ _CELL: Final = 0.05
 """m"""
 _MOST: Final = 1500
 """Cells that are kept in mind: the newest."""
-_REACH: Final = 2.5
-"""m from the robot. Beyond, an error of the heading moves an echo too far."""
 _SAMPLES: Final = 3
 """Samples that must show it: one echo may be a wrong one."""
 _OFF_PLAN: Final = {True: 0.25, False: 0.15}
 """m from every wall, so that a wall is not taken for a thing; of an ultrasonic sensor, and of others."""
-
-
+_REACH: Final = {True: 1.2, False: 2.5}
+"""m from the robot. Beyond, a cone is too wide, and an error of the heading moves what was seen too far; as above."""
 _NEAR: Final = 1.5
 """m around the robot in which what a scanner sees counts more than the plan, and for how long."""
 _LATELY: Final = 10.0
@@ -88,11 +86,12 @@ class Things:
         """Return a place in each cell in which one sample shows something, and whether it is not on the plan."""
         strips = sense.evidence(sample, self._robot.footprint_radius).seen
         seen = np.array([point for strip in strips for point in _dense(strip)]).reshape(-1, 2)
-        seen = seen[np.hypot(seen[:, 0], seen[:, 1]) <= _REACH]
+        is_cone = isinstance(sense, Ultrasonic)
+        seen = seen[np.hypot(seen[:, 0], seen[:, 1]) <= _REACH[is_cone]]
         cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
         x, y = pose.x + cos * seen[:, 0] - sin * seen[:, 1], pose.y + sin * seen[:, 0] + cos * seen[:, 1]
         clearance = self._floor.at(x.astype(np.float32), y.astype(np.float32))
-        is_new = clearance > _OFF_PLAN[isinstance(sense, Ultrasonic)]
+        is_new = clearance > _OFF_PLAN[is_cone]
         cells = np.floor(np.stack([x, y], axis=1) / _CELL).astype(int).tolist()
         places = zip(x.tolist(), y.tolist(), is_new.tolist(), strict=True)
         return {(column, row): place for (column, row), place in zip(cells, places, strict=True)}

@@ -61,7 +61,7 @@ _LONGEST_LEG: Final = 600.0
 
 _NOT_HELD: Final = Trouble("who asked for it does not say any more that it is wished", "check its link and its program")
 _GOES_ON: Final = Trouble("it goes on slowly in a second")
-_LOOKS: Final = Trouble("it turns round once in a second, to see where it is")
+_LOOKS: Final = "in a second it turns round once, to see where it is"
 _STOPPED: Final = Trouble("the robot comes no nearer", "see what holds it, or what its sensors see")
 _NOT_THERE: Final = Trouble(
     "it cannot be told where on the map the robot has stopped", "say where it is", "run", "giraff localize --at X,Y,YAW"
@@ -138,9 +138,11 @@ class Trip:
             self._requester.on_tick(Tick(epoch=hold.tick.epoch, robot_ns=hold.tick.robot_ns), now)
 
     def on_state(self, state: MotionState, now: float) -> None:
-        """Take how the motion goes."""
+        """Take how the motion goes. Another's, while it waits, has ended it: the robot is elsewhere then."""
         if self._requester is not None:
             self._requester.on_state(state, now)
+        elif state.stage in {"arming", "moving"}:
+            self._end("lost_lease", Trouble(f"a motion of {state.by} goes on", "ask again when it has ended"), now)
 
     def cancel(self, by: str, now: float) -> None:
         """End it, whoever asks for it."""
@@ -286,7 +288,7 @@ class Trip:
             self._end("lost_localization", why, now)
             return
         self._has_looked = True
-        self._announced(lambda _: self._ask(Turn(angle=math.tau), self._plan_on), _LOOKS.of(str(why)), now)
+        self._announced(lambda _: self._ask(Turn(angle=math.tau), self._plan_on), Trouble(f"{why.what}: {_LOOKS}"), now)
 
     def _ask(self, step: Step, done: Callable[[float], None]) -> None:
         """Ask for one motion."""
