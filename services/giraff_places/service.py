@@ -84,7 +84,7 @@ class Places:
             policy.on_map(walls)
         for pose in self._poses.pop_all():
             policy.on_pose(pose, now)
-            self._driving.on_pose(pose)
+            self._driving.on_pose(pose, now)
         if any(places.instance != self._io.instance for places in self._others.pop_all()):
             policy.on_other(now)
         known = policy.known

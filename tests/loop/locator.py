@@ -14,7 +14,8 @@ from tests.support.map_poses import map_pose
 
 ODOM_IN_MAP: Final = Pose(4.0, 1.0, 1.5)
 _WALLS: Final = ((0.0, 0.0, 8.0, 0.0), (8.0, 0.0, 8.0, 5.0), (8.0, 5.0, 0.0, 5.0), (0.0, 5.0, 0.0, 0.0))
-_FREE: Final = FreeSpace(FloorPlan("flat", _WALLS), 0.2).free
+PLAN: Final = FloorPlan("flat", _WALLS)
+_FREE: Final = FreeSpace(PLAN, 0.2).free
 
 
 class Locator:

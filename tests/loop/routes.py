@@ -4,7 +4,7 @@ import math
 import random
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from typing import Any, Final, NamedTuple
 
 import msgspec
@@ -13,6 +13,7 @@ from giraff_core.kinematics.pose import Pose as MapPlace
 from giraff_core.motion.requester import HeldMotion, MotionRequester
 from giraff_core.motion.result import MotionResult
 from giraff_core.motion.wish import RouteWish
+from giraff_core.robot import RobotConfig
 from giraff_core.senses import Sense
 from giraff_core.timer import Timer
 from giraff_localization.config import LocalizationConfig
@@ -105,11 +106,8 @@ class Walker:
 class _Book:
     """In the place of the file of places."""
 
-    def __init__(self, known: KnownPlaces) -> None:
-        self._known = known
-
     def read(self) -> KnownPlaces:
-        return self._known
+        return KnownPlaces()
 
 
 @cache
@@ -169,24 +167,31 @@ def home(
             laser = Ld19(LASER, simulated, f"{seed}/laser", bias=chance.uniform(-0.015, 0.015))
             loop.cables["scan"] = Cable(laser, loop.simulation)
             loop.launch("scan", lambda io: Scan(io, ScanConfig(port="scan"), robot), loop.hosts["robot"])
-        known, plan = _known_floor(world, sense), PlanFile(plan_of(world), f"{world}.toml")
+        known = _known_floor(world, sense)
         loop.launch("localization", lambda io: Localization(io, LOCALIZATION, robot, known, seed), loop.hosts["robot"])
-        book: Any = _Book(KnownPlaces())
-        loop.launch("places", lambda io: Places(io, PlacesConfig(), robot, plan, book), loop.hosts["robot"])
-        walkers: list[Walker] = []
-
-        def walker(process: Process) -> Walker:
-            walkers.append(Walker(process))
-            return walkers[-1]
-
-        loop.launch("walker", walker, loop.hosts["operator"])
+        walker = start_places(it, robot, plan_of(world))
         it.run(0.5)
         pose = simulated.plant.pose
-        walkers[0].tell_pose(
+        walker.tell_pose(
             Pose(pose.x + chance.gauss(0, _TOLD), pose.y + chance.gauss(0, _TOLD), pose.yaw + chance.gauss(0, _TOLD))
         )
         it.run(1.5)
-        yield Home(it, walkers[0], here)
+        yield Home(it, walker, here)
+
+
+def start_places(it: Stage, robot: RobotConfig, plan: FloorPlan) -> Walker:
+    """Start giraff_places, and a program of the operator's that asks for routes."""
+    book: Any = _Book()
+    places = partial(Places, config=PlacesConfig(), robot=robot, source=PlanFile(plan, "home.toml"), store=book)
+    it.loop.launch("places", places, it.loop.hosts["robot"])
+    walkers: list[Walker] = []
+
+    def walker(process: Process) -> Walker:
+        walkers.append(Walker(process))
+        return walkers[-1]
+
+    it.loop.launch("walker", walker, it.loop.hosts["operator"])
+    return walkers[0]
 
 
 class Told(NamedTuple):
@@ -213,15 +218,19 @@ class Told(NamedTuple):
     """Reasons."""
 
 
-def goal_of(here: Floor, world: str, seed: int, start: Pose) -> Goal:
-    """Draw a goal that the robot can get to from each side, 2 m away or more."""
+def goal_of(here: Floor, world: str, seed: int, start: Pose, least: float = 2.0) -> Goal:
+    """Draw a goal that the robot can get to from each side, `least` m away or more."""
     chance, planner = random.Random(f"{seed}/goal"), planner_of(world)
     cells = sorted(here.free)
     while True:
         x, y = here.middle(chance.choice(cells))
         goal = MapPlace(x, y, chance.uniform(-math.pi, math.pi))
         has_room = planner.floor.near(x, y) >= _ROOM
-        if has_room and math.dist((x, y), start[:2]) > 2.0 and isinstance(planner.route(MapPlace(*start), goal), Route):
+        if (
+            has_room
+            and math.dist((x, y), start[:2]) > least
+            and isinstance(planner.route(MapPlace(*start), goal), Route)
+        ):
             return Goal(x=x, y=y, yaw=goal.yaw)
 
 

@@ -62,8 +62,10 @@ class Driving:
         """Take the robot's clock."""
         self._link.on_tick(tick, now)
 
-    def on_pose(self, pose: MapPose) -> None:
+    def on_pose(self, pose: MapPose, now: float) -> None:
         """Take where the robot is."""
+        if self._trip is not None:
+            self._trip.on_pose(now)
         if (last := self._pose) is not None:
             self._is_turning = abs(pose.yaw - last.yaw) > _TURNS
             if self._things is not None and abs(pose.x - last.x) + abs(pose.y - last.y) > _JUMPED:

@@ -48,6 +48,8 @@ _UNSURE: Final = 0.25
 """m, standard deviation from which it creeps."""
 _DOUBTFUL: Final = (0.2, math.radians(8.0))
 """m and rad, standard deviations with which it has not arrived."""
+_SPEAKS: Final = 0.5
+"""s without a word of localization after which no turn helps it."""
 _NEAR: Final = (0.08, math.radians(3.0))
 """m and rad from the goal that need no correction."""
 _AT_GOAL: Final = (0.25, math.radians(15.0))
@@ -123,6 +125,8 @@ class Trip:
         self._stuck = NO_TROUBLE
         """Cause, where a motion was ended because the robot came nowhere."""
         self._pose: MapPose | None = None
+        self._heard_at = now
+        """Moment when localization was last heard, whatever it knew."""
 
     @property
     def goes_on(self) -> bool:
@@ -136,6 +140,10 @@ class Trip:
         self._held_at = now
         if self._requester is not None:
             self._requester.on_tick(Tick(epoch=hold.tick.epoch, robot_ns=hold.tick.robot_ns), now)
+
+    def on_pose(self, now: float) -> None:
+        """Take that localization speaks."""
+        self._heard_at = now
 
     def on_state(self, state: MotionState, now: float) -> None:
         """Take how the motion goes. Another's, while it waits, has ended it: the robot is elsewhere then."""
@@ -284,7 +292,7 @@ class Trip:
 
     def _look_round(self, why: Trouble, now: float) -> None:
         """Turn round once, so that localization sees more: then go on, or end."""
-        if self._has_looked:
+        if self._has_looked or now - self._heard_at > _SPEAKS:
             self._end("lost_localization", why, now)
             return
         self._has_looked = True

@@ -330,8 +330,9 @@ def test_only_what_is_seen_thrice_lately_and_stands_on_no_plan_is_a_thing() -> N
         return len(things.walls(100.0))
 
     assert seen(2.05, 9) == 0  # the wall
-    assert seen(1.0, 2) == 0
-    assert seen(1.0, 1) > 0
+    assert seen(1.5, 9) == 0  # too far for a cone
+    assert seen(0.7, 2) == 0
+    assert seen(0.7, 1) > 0
     assert things.walls(100.0 + KEPT)
     assert things.walls(100.1 + KEPT) == []
 
@@ -339,12 +340,12 @@ def test_only_what_is_seen_thrice_lately_and_stands_on_no_plan_is_a_thing() -> N
 def test_a_way_leads_around_a_thing_that_has_blocked_it() -> None:
     ride = Ride("blocked", plan=house(), start=Pose(1.0, 2.0, 0.0))
     ride.begin(Goal(x=5.0, y=2.0))
-    ride.senses = [echo(1.2)]
+    ride.senses = [echo(0.6)]
     ride.until_waiting()
     straight = ride.route.corners
     assert straight == ((1.0, 2.0), (5.0, 2.0))
     assert ride.route.at is not None
-    assert math.dist(ride.route.at, (2.45, 2.15)) < 0.3
+    assert math.dist(ride.route.at, (1.85, 2.1)) < 0.3
     ride.until_waiting(announced=True)
     _, (x, y), *_, goal = ride.route.corners
     assert (goal, y < 1.7 or y > 2.6, 1.0 < x < 4.0) == ((5.0, 2.0), True, True)

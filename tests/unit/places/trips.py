@@ -186,7 +186,7 @@ class Ride:
         variance = self.spread * self.spread
         pose = msgspec.structs.replace(pose, covariance=(variance, 0.0, 0.0, variance, 0.0, variance))
         self.policy.on_pose(pose, self.now)
-        driving.on_pose(pose)
+        driving.on_pose(pose, self.now)
         driving.on_tick(Tick(epoch=_EPOCH, robot_ns=self._tick().robot_ns), self.now)
         driver = self.driver or ("motion" if self._moves else "")
         driving.on_lease(Lease(holder="x", operator=driver, counter=1), self.now)
