@@ -21,7 +21,7 @@ def gone(world: str, sense: str, seed: int) -> Told:
     with home(world, sense, seed) as it:
         told = drive(it, seed, world, goal_of(it.floor, world, seed, it.truth))
     print(told)
-    assert not told.outcome == "arrived" or (told.off <= 0.5 and told.turned <= math.radians(30.0)), told
+    assert told.outcome != "arrived" or (told.off <= 0.5 and told.turned <= math.radians(30.0)), told
     assert told.fastest < 0.35, told
     return told
 
