@@ -17,6 +17,7 @@ from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import EStop, Lease, Tick
 from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionHold, MotionState
 from giraff_schemas.places import NO_ROUTE, Goal, PlacesGo, RouteState
+from giraff_schemas.services import MOTION
 from giraff_schemas.topics import Query
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
@@ -50,6 +51,8 @@ class Driving:
         self._trip: Trip | None = None
         """The one that goes on, or the last one."""
         self._estop: EStop | None = None
+        self._driver = ""
+        """Name of the operator that holds the lease."""
         self._pose: MapPose | None = None
         self._is_turning = True
 
@@ -108,6 +111,7 @@ class Driving:
 
     def on_lease(self, lease: Lease, now: float) -> None:
         """Take who drives."""
+        self._driver = lease.operator
         if self._trip is not None:
             self._trip.on_lease(lease.operator, now)
 
@@ -134,6 +138,8 @@ class Driving:
             return Trouble(f"a route of {trip.by} goes on", "wait for its end, or cancel it")
         if self._estop is not None and self._estop.engaged:
             return self._estop.reason.of(f"emergency stop, engaged by {self._estop.by}")
+        if self._driver not in ("", MOTION.name):
+            return Trouble(f"{self._driver} drives", "wait until it rests, or end it; then ask again")
         if isinstance(pose := self._places.pose(now), Trouble):
             return pose
         goal, name = request.goal, ""

@@ -261,7 +261,9 @@ class Trip:
 
     def _plan_on(self, now: float) -> None:
         """Go on from the end of a leg."""
-        self._careful, self._leg = max(0.0, self._careful - self._leg), 0.0
+        self._careful, self._leg = self._careful - self._leg, 0.0
+        if self._careful < _LEAST_LEG:
+            self._careful = 0.0
         self._plan(now)
 
     def _turn_at_goal(self, now: float) -> None:
