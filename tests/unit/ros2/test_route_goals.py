@@ -58,12 +58,12 @@ def test_a_goal_in_map_is_a_route_and_its_legs_do_not_count() -> None:
     [
         ({"heard_before": 2.8}, PLACES_GO.key),
         ({"heard_before": 3.2}, MOTION_GO.key),
-        ({"reason": ANOTHER_PLAN}, MOTION_GO.key),
+        ({"reason": ANOTHER_PLAN}, PLACES_GO.key),  # which says why it does not go
         ({"frame": "odom"}, MOTION_GO.key),
     ],
     ids=str,
 )
-def test_a_goal_goes_straight_where_places_are_silent_or_do_not_count_or_it_is_in_odom(
+def test_a_goal_goes_straight_where_places_are_silent_or_it_is_in_odom(
     given: dict[str, Any], key: str
 ) -> None:
     rviz = Rviz()
