@@ -1,6 +1,5 @@
 """Things that the robot's senses see now, and that are not on the floor plan. No I/O and no clock."""
 
-import itertools
 import math
 from typing import Any, Final, NamedTuple
 
@@ -19,7 +18,9 @@ _CELL: Final = 0.05
 _MOST: Final = 1500
 """Cells that are kept in mind: the newest."""
 _SAMPLES: Final = 3
-"""Samples that must show it: one echo may be a wrong one."""
+"""Samples that must show it soon after each other: one echo, or one ray at an edge, may be a wrong one."""
+_SOON: Final = 0.6
+"""s"""
 _OFF_PLAN: Final = {True: 0.25, False: 0.15}
 """m from every wall, so that a wall is not taken for a thing; of an ultrasonic sensor, and of others."""
 _REACH: Final = {True: 1.2, False: 2.5}
@@ -56,8 +57,10 @@ class Things:
             return
         for cell, (x, y, is_new) in self._found(sense, sample, pose).items():
             last = self._cells.pop(cell, None)
-            before = last.samples if last is not None and now - last.at <= KEPT else 0
-            self._cells[cell] = _Sighting(now, before + 1, x, y, is_new, not isinstance(sense, Ultrasonic))
+            samples = (
+                1 if last is None or now - last.at > (_SOON if last.samples < _SAMPLES else KEPT) else last.samples + 1
+            )
+            self._cells[cell] = _Sighting(now, samples, x, y, is_new, not isinstance(sense, Ultrasonic))
         while len(self._cells) > _MOST:
             del self._cells[next(iter(self._cells))]
 
@@ -85,7 +88,7 @@ class Things:
     def _found(self, sense: Sense, sample: Any, pose: Pose) -> dict[tuple[int, int], tuple[float, float, bool]]:
         """Return a place in each cell in which one sample shows something, and whether it is not on the plan."""
         strips = sense.evidence(sample, self._robot.footprint_radius).seen
-        seen = np.array([point for strip in strips for point in _dense(strip)]).reshape(-1, 2)
+        seen = np.array([point for strip in strips for point in strip]).reshape(-1, 2)
         is_cone = isinstance(sense, Ultrasonic)
         seen = seen[np.hypot(seen[:, 0], seen[:, 1]) <= _REACH[is_cone]]
         cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
@@ -95,13 +98,3 @@ class Things:
         cells = np.floor(np.stack([x, y], axis=1) / _CELL).astype(int).tolist()
         places = zip(x.tolist(), y.tolist(), is_new.tolist(), strict=True)
         return {(column, row): place for (column, row), place in zip(cells, places, strict=True)}
-
-
-def _dense(strip: Any) -> list[tuple[float, float]]:
-    """Return places along a line, a cell apart or less."""
-    places = [*strip[:1]]
-    for (x, y), (end_x, end_y) in itertools.pairwise(strip):
-        pieces = max(1, math.ceil(math.dist((x, y), (end_x, end_y)) / _CELL))
-        shares = (piece / pieces for piece in range(1, pieces + 1))
-        places += [(x + share * (end_x - x), y + share * (end_y - y)) for share in shares]
-    return places

@@ -7,6 +7,7 @@ guard alone decides what is safe.
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final, NamedTuple
 
 from giraff_core.kinematics.differential_drive import CREEP
@@ -15,6 +16,7 @@ from giraff_core.motion.requester import HeldMotion, MotionRequester
 from giraff_core.motion.wish import Wish
 from giraff_core.operator import LINK_SILENCE
 from giraff_core.retry import RetriedRequest
+from giraff_places.driving.progress import Progress
 from giraff_places.route.planner import NoRoute, Route
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import EStop, Tick
@@ -37,11 +39,6 @@ _CREEP_TURN: Final = 0.35
 """rad/s; the guard's own creep, unless somebody has set it lower."""
 _HELD_WITHIN: Final = 1.0
 """s from the acceptance to the requester's first hold."""
-_STUCK: Final = 8.0
-"""s in which it must come 0.1 m, or turn by 10 degrees, while nothing blocks its way for long."""
-_COMES: Final = 0.1
-"""m"""
-_TURNS: Final = math.radians(10.0)
 _SETTLES: Final = 1.0
 """s at rest at the goal, until localization has caught up."""
 _UNSURE: Final = 0.25
@@ -120,8 +117,7 @@ class Trip:
         self._careful = self._leg = 0.0
         """m still to go at creep, and m of this leg."""
         self._has_looked = False
-        self._anchor: tuple[Displacement, float] | None = None
-        """Displacement of the motion when the robot had last come on, and when."""
+        self._progress = Progress(now)
         self._stuck = NO_TROUBLE
         """Cause, where a motion was ended because the robot came nowhere."""
         self._pose: MapPose | None = None
@@ -212,7 +208,7 @@ class Trip:
     def _begin(self, now: float) -> None:
         """Turn round first where somebody has said where it is: the sensors confirm it then, or contradict it."""
         if isinstance(pose := self._robot.pose(now), MapPose) and pose.state == "told":
-            self._ask(Turn(angle=math.tau), self._plan)
+            self._ask(Turn(angle=math.tau), self._plan, now)
         else:
             self._plan(now)
 
@@ -236,9 +232,12 @@ class Trip:
         else:
             self._way += self._come
             self._corners, self._length = found.corners, found.length
-            self._announced(self._go_leg, _GOES_ON, now) if was_blocked else self._go_leg(now)
+            if was_blocked:
+                self._announce(self._go_leg, _GOES_ON, now)
+            else:
+                self._go_leg(now)
 
-    def _announced(self, step: Callable[[float], None], words: Trouble, now: float) -> None:
+    def _announce(self, step: Callable[[float], None], words: Trouble, now: float) -> None:
         """Move by a step that is said before it is done, and slowly at first."""
         self._careful, self._leg = CAREFUL, 0.0
         self.stage, self.reason = "waiting", words
@@ -257,7 +256,7 @@ class Trip:
         self._leg = part * far
         step = GoTo(x=here.x + part * (x - here.x), y=here.y + part * (y - here.y), frame="map")
         is_last = len(self._corners) <= 2 and part == 1.0
-        self._ask(step, self._turn_at_goal if is_last else self._plan_on)
+        self._ask(step, self._turn_at_goal if is_last else self._plan_on, now)
 
     def _plan_on(self, now: float) -> None:
         """Go on from the end of a leg."""
@@ -271,7 +270,7 @@ class Trip:
         if yaw is None or isinstance(pose, Trouble) or abs(math.remainder(yaw - pose.yaw, math.tau)) < _NEAR[1]:
             self._settle(now)
         else:
-            self._ask(Turn(angle=math.remainder(yaw - pose.yaw, math.tau)), self._settle)
+            self._ask(Turn(angle=math.remainder(yaw - pose.yaw, math.tau)), self._settle, now)
 
     def _settle(self, now: float) -> None:
         self._next, self._due = self._judge, now + _SETTLES
@@ -298,9 +297,9 @@ class Trip:
             self._end("lost_localization", why, now)
             return
         self._has_looked = True
-        self._announced(lambda _: self._ask(Turn(angle=math.tau), self._plan_on), Trouble(f"{why.what}: {_LOOKS}"), now)
+        self._announce(partial(self._ask, Turn(angle=math.tau), self._plan_on), Trouble(f"{why.what}: {_LOOKS}"), now)
 
-    def _ask(self, step: Step, done: Callable[[float], None]) -> None:
+    def _ask(self, step: Step, done: Callable[[float], None], now: float) -> None:
         """Ask for one motion."""
         creeps = self._careful > 0.0 or self._is_unsure
         wish = Wish(
@@ -308,7 +307,8 @@ class Trip:
         )
         self._requester = MotionRequester(self._robot.token(), wish, self.by, self._robot.instance)
         self._motion = HeldMotion(self._requester, self._robot.ask, self._robot.hold)
-        self._done, self._anchor, self._stuck = done, None, NO_TROUBLE
+        self._done, self._stuck = done, NO_TROUBLE
+        self._progress = Progress(now)
         self._legs += isinstance(step, GoTo)
         self.stage, self.reason, self.at = "moving", NO_TROUBLE, None
 
@@ -329,7 +329,7 @@ class Trip:
             state = None if self._requester is None else self._requester.state
             if self.goes_on:
                 self.reason = NO_TROUBLE if state is None else state.reason
-            if self.goes_on and not self._stuck and state is not None and self._is_held_up(state.achieved, now):
+            if self.goes_on and not self._stuck and state is not None and self._progress.is_over(state.achieved, now):
                 self._stuck = self.reason or _STOPPED
                 motion.cancel(now)
             return
@@ -351,12 +351,6 @@ class Trip:
                 self._end("lost_requester", _NOT_HELD, now)
             case ending:
                 self._end(_LIKE_MOTION.get(ending, "disarmed"), why, now)
-
-    def _is_held_up(self, achieved: Displacement, now: float) -> bool:
-        """Whether the robot has come nowhere for too long."""
-        if self._anchor is None or _has_come(self._anchor[0], achieved):
-            self._anchor = achieved, now
-        return now - self._anchor[1] > _STUCK
 
     def _in_the_way(self, now: float) -> tuple[float, float] | None:
         here = None if self._pose is None else (self._pose.x, self._pose.y)
@@ -394,7 +388,3 @@ def _path(metres: float) -> Displacement:
 def _is_doubtful(pose: MapPose) -> bool:
     x, y, yaw = pose.standard_deviations
     return max(x, y) > _DOUBTFUL[0] or yaw > _DOUBTFUL[1]
-
-
-def _has_come(last: Displacement, now: Displacement) -> bool:
-    return abs(now.path - last.path) > _COMES or abs(now.yaw - last.yaw) > _TURNS
