@@ -1,4 +1,4 @@
-"""Whether a motion still brings the robot on. No I/O and no clock."""
+"""Tells when a motion brings the robot on no more. No I/O and no clock."""
 
 import math
 from typing import Final
