@@ -13,7 +13,7 @@ _TURNS: Final = math.radians(10.0)
 
 
 class Progress:
-    """Of one motion. Times are s of any one monotonic clock."""
+    """Watch one motion. Times are s of any one monotonic clock."""
 
     def __init__(self, now: float) -> None:
         self._last, self._at = NOWHERE, now

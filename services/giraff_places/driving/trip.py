@@ -74,7 +74,7 @@ _LIKE_MOTION: Final[dict[str, Outcome]] = {
 
 
 class Robot(NamedTuple):
-    """What a trip asks, and of whom."""
+    """Ways from a trip to the robot and to giraff_motion."""
 
     pose: Callable[[float], MapPose | Trouble]
     """Returns where the robot is at a moment, or why that is not known."""

@@ -84,7 +84,7 @@ class RoutePlanner:
         self._footprint = footprint_radius
         self._needs = passage_radius
         self.floor = Floor.of(plan, passage_radius + _COMFORT)
-        """Of the plan alone."""
+        """Floor of the plan alone."""
 
     def place_fault(self, x: float, y: float) -> Trouble:
         """Return why the robot cannot stand, and turn, at a place of `map`, m."""
