@@ -93,8 +93,8 @@ class Motions(ABC):
                 )
             wish = RouteWish(require_place_name(goal))
         else:
+            _require_steps(goal)
             steps = tuple(goal)
-            _require_steps(steps)
             limits = [None if limit is None else float(limit) for limit in (speed, turn_speed, time_limit)]
             wish = Wish(steps, *limits)
         session, name, by, patience = self._begin_motion()
@@ -115,8 +115,8 @@ class Motions(ABC):
         """Take how it ended."""
 
 
-def _require_steps(steps: Sequence[object]) -> None:
-    if not all(isinstance(step, Step) for step in steps):
+def _require_steps(steps: object) -> None:
+    if not isinstance(steps, Sequence) or not all(isinstance(step, Step) for step in steps):
         raise ValueError(f"go({steps}): each step must be a Move, a Turn, an Arc or a GoTo")
 
 

@@ -20,14 +20,12 @@ from giraff_schemas.topics import Query
 
 ANSWERS_WITHIN: Final = 3.0
 """s for an answer, with some attempts that are lost."""
-STATES_SILENCE: Final = 1.0
-"""s without a state of the motion after which nobody knows what becomes of it; it is told ten times a second."""
 ENDS_WITHIN: Final = 2.5
 """s from a cancel to its end: motion stops at once, waits until the robot rests, and would stop for want of holds."""
 
 _CHECK: Final = "check that {0} runs; on a secured network [network.access] says who may ask"
 _NO_ANSWER: Final = f"nobody has answered within {ANSWERS_WITHIN:g} s; {_CHECK}"
-_SILENT: Final = f"{{0}} is silent for {STATES_SILENCE:g} s; the robot stops for want of holds; {_CHECK}"
+_SILENT: Final = f"{{0}} is silent for {{1:g}} s; the robot stops for want of holds; {_CHECK}"
 _ANOTHER: Final = "another {0} speaks: it was started anew, or there are two; let one run, and ask again"
 
 
@@ -134,7 +132,7 @@ class MotionRequester:
             late = now - self._asked_at > ANSWERS_WITHIN
             why = f"{self._fault}; {self._told(_CHECK)}" if self._fault else self._told(_NO_ANSWER)
             return result_of(None, "unanswered", why, begun=False) if late else None
-        is_silent = now - self._heard > STATES_SILENCE
+        is_silent = now - self._heard > self.wish.asked.silence
         return result_of(state, "unheard", self._told(_SILENT), begun=True) if is_silent else None
 
     def _after_cancel(self, since: float, now: float) -> MotionResult | None:
@@ -147,7 +145,7 @@ class MotionRequester:
         return result_of(self.state, "unheard", why, begun=True)
 
     def _told(self, text: str) -> str:
-        return text.format(self.wish.asked.service)
+        return text.format(self.wish.asked.service, self.wish.asked.silence)
 
 
 class HeldMotion:

@@ -32,10 +32,12 @@ class AskedService(NamedTuple):
     hold: Topic[MotionHold]
     state: Topic[Any]
     """Topic of samples that are a `MotionState`."""
+    silence: float
+    """s without a state after which nobody knows what becomes of it. For want of holds the robot has stopped before."""
 
 
-OF_MOTION: Final = AskedService(MOTION_SERVICE.package, MOTION_GO, MOTION_CANCEL, MOTION_HOLD, MOTION)
-OF_PLACES: Final = AskedService(PLACES_SERVICE.package, PLACES_GO, PLACES_CANCEL, PLACES_HOLD, ROUTE)
+OF_MOTION: Final = AskedService(MOTION_SERVICE.package, MOTION_GO, MOTION_CANCEL, MOTION_HOLD, MOTION, 1.0)
+OF_PLACES: Final = AskedService(PLACES_SERVICE.package, PLACES_GO, PLACES_CANCEL, PLACES_HOLD, ROUTE, 4.0)
 
 
 class Wish(NamedTuple):

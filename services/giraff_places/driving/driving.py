@@ -4,13 +4,16 @@ import math
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
+import msgspec
+
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.timely import untimely
 from giraff_core.operator import RobotLink
 from giraff_core.retry import RetriedRequest
 from giraff_core.robot import RobotConfig
+from giraff_places.driving.robot import Robot
 from giraff_places.driving.things import Things
-from giraff_places.driving.trip import WAITS, Robot, Trip
+from giraff_places.driving.trip import WAITS, Trip
 from giraff_places.policy import PlacesPolicy
 from giraff_places.route.planner import NoRoute, Route
 from giraff_schemas.localization import MapPose
@@ -29,6 +32,7 @@ _JUMPED: Final = 0.3
 """m between two poses after which the things are elsewhere, too."""
 _AHEAD: Final = 0.6
 """m before the robot's middle, where the guard stops it."""
+_LINES: Final = Trouble("the no-go lines have become others", "wait: it plans anew")
 
 
 class Motions(NamedTuple):
@@ -51,6 +55,8 @@ class Driving:
         self._trip: Trip | None = None
         """The one that goes on, or the last one."""
         self._estop: EStop | None = None
+        self._motion: MotionState | None = None
+        self._lines = places.known.no_go
         self._driver = ""
         """Name of the operator that holds the lease."""
         self._pose: MapPose | None = None
@@ -106,6 +112,7 @@ class Driving:
 
     def on_state(self, state: MotionState, now: float) -> None:
         """Take how the motion goes."""
+        self._motion = state
         if self._trip is not None:
             self._trip.on_state(state, now)
 
@@ -123,8 +130,14 @@ class Driving:
 
     def turn(self, now: float) -> None:
         """Do what is due."""
-        if self._trip is not None:
-            self._trip.turn(now)
+        if (trip := self._trip) is None:
+            return
+        if trip.goes_on and (reason := self._places.reason(now)):
+            trip.end_for(reason, now)
+        if self._lines != self._places.known.no_go:
+            self._lines = self._places.known.no_go
+            trip.hold_up(_LINES, now)
+        trip.turn(now)
 
     def state(self, now: float) -> RouteState:
         """Return how the route goes on, or how the last one ended."""
@@ -138,6 +151,8 @@ class Driving:
             return Trouble(f"a route of {trip.by} goes on", "wait for its end, or cancel it")
         if self._estop is not None and self._estop.engaged:
             return self._estop.reason.of(f"emergency stop, engaged by {self._estop.by}")
+        if self._motion is not None and self._motion.stage not in {"idle", "ended"}:
+            return Trouble(f"a motion of {self._motion.by} goes on", "wait for its end, or cancel it")
         if self._driver not in ("", MOTION.name):
             return Trouble(f"{self._driver} drives", "wait until it rests, or end it; then ask again")
         if isinstance(pose := self._places.pose(now), Trouble):
@@ -148,10 +163,13 @@ class Driving:
             if isinstance(place, Trouble):
                 return place
             goal = Goal(x=place.x, y=place.y, yaw=place.yaw)
+        if goal.yaw is not None:
+            goal = msgspec.structs.replace(goal, yaw=math.remainder(goal.yaw, math.tau))
         motions = self._motions
         robot = Robot(
             self._places.pose, self._plan, self._seen, motions.ask, motions.hold, motions.token, motions.instance
         )
+        self._lines = self._places.known.no_go
         self._trip = Trip(request, name, goal, robot, now)
         return NO_TROUBLE
 

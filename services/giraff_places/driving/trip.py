@@ -8,23 +8,23 @@ guard alone decides what is safe.
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, NamedTuple
+from typing import Final
 
 from giraff_core.kinematics.differential_drive import CREEP
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.requester import HeldMotion, MotionRequester
 from giraff_core.motion.wish import Wish
 from giraff_core.operator import LINK_SILENCE
-from giraff_core.retry import RetriedRequest
+from giraff_places.driving.arrival import AT_GOAL, NEAR, Off, is_doubtful
 from giraff_places.driving.progress import Progress
+from giraff_places.driving.robot import Robot
 from giraff_places.route.planner import NoRoute, Route
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import EStop, Tick
+from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.motion import NOWHERE, Displacement, GoTo, MotionHold, MotionState, Outcome, Stage, Step, Turn
 from giraff_schemas.places import Goal, PlacesGo, RouteState
 from giraff_schemas.services import MOTION
 from giraff_schemas.text import brief
-from giraff_schemas.topics import Query
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
 WAITS: Final = 5.0
@@ -43,14 +43,12 @@ _SETTLES: Final = 1.0
 """s at rest at the goal, until localization has caught up."""
 _UNSURE: Final = 0.25
 """m, standard deviation from which it creeps."""
-_DOUBTFUL: Final = (0.2, math.radians(8.0))
-"""m and rad, standard deviations with which it has not arrived."""
-_SPEAKS: Final = 0.5
-"""s without a word of localization after which no turn helps it."""
-_NEAR: Final = (0.08, math.radians(3.0))
-"""m and rad from the goal that need no correction."""
-_AT_GOAL: Final = (0.25, math.radians(15.0))
-"""m and rad from the goal at most, by localization, of a robot that has arrived."""
+_SILENT: Final = 1.0
+"""s without a word of localization after which no leg and no turn goes on."""
+_BEYOND: Final = 0.5
+"""m that the wheels may have rolled beyond the length of a leg."""
+_IDLE: Final = 5
+"""Legs that may bring it no nearer to its goal."""
 _CORRECTIONS: Final = 2
 _LEAST_LEG: Final = 0.03
 """m"""
@@ -61,6 +59,8 @@ _LONGEST_LEG: Final = 600.0
 _NOT_HELD: Final = Trouble("who asked for it does not say any more that it is wished", "check its link and its program")
 _GOES_ON: Final = Trouble("it goes on slowly in a second")
 _LOOKS: Final = "in a second it turns round once, to see where it is"
+_NO_POSE: Final = Trouble("no pose on the map is heard any more", "check giraff_localization")
+_SEES: Final = Trouble("it turns round, to see where it is")
 _STOPPED: Final = Trouble("the robot comes no nearer", "see what holds it, or what its sensors see")
 _NOT_THERE: Final = Trouble(
     "it cannot be told where on the map the robot has stopped", "say where it is", "run", "giraff localize --at X,Y,YAW"
@@ -71,21 +71,6 @@ _LIKE_MOTION: Final[dict[str, Outcome]] = {
     "lost_requester": "lost_requester",
     "lost_odometry": "lost_odometry",
 }
-
-
-class Robot(NamedTuple):
-    """Ways from a trip to the robot and to giraff_motion."""
-
-    pose: Callable[[float], MapPose | Trouble]
-    """Returns where the robot is at a moment, or why that is not known."""
-    plan: Callable[[Goal, float, bool], Route | NoRoute | Trouble]
-    """Returns the way to a goal. True: not through what is seen there now."""
-    seen: Callable[[float], tuple[float, float] | None]
-    """Returns where on the map something stands before the robot."""
-    ask: Callable[[Query[Any, Any], Any], RetriedRequest[Any]]
-    hold: Callable[[MotionHold], object]
-    token: Callable[[], int]
-    instance: str
 
 
 class Trip:
@@ -103,6 +88,8 @@ class Trip:
         self._place, self._goal, self._robot = place, goal, robot
         self._began = self._ended_at = now
         self._held_at: float | None = None
+        self._held: RobotTime | None = None
+        """Tick of the newest hold."""
         self._corners: tuple[tuple[float, float], ...] = ()
         self._way = self._length = 0.0
         self._legs = 0
@@ -113,13 +100,16 @@ class Trip:
         self._due = now
         self._done: Callable[[float], None] = self._plan
         """Step to do when the motion has arrived."""
-        self._tries = self._corrections = 0
+        self._tries = self._corrections = self._idle = 0
+        self._shortest = math.inf
+        """m; of what was left of the way."""
         self._careful = self._leg = 0.0
         """m still to go at creep, and m of this leg."""
         self._has_looked = False
         self._progress = Progress(now)
         self._stuck = NO_TROUBLE
         """Cause, where a motion was ended because the robot came nowhere."""
+        self._words = NO_TROUBLE
         self._pose: MapPose | None = None
         self._heard_at = now
         """Moment when localization was last heard, whatever it knew."""
@@ -131,9 +121,11 @@ class Trip:
 
     def on_hold(self, hold: MotionHold, now: float) -> None:
         """Take that the requester still wishes it. Its tick is passed on as it is, and never a newer one."""
-        if self.outcome or hold.id != self.id or hold.instance != self._owner:
+        old, new = self._held, hold.tick
+        is_newer = old is None or old.epoch != new.epoch or old.robot_ns < new.robot_ns
+        if self.outcome or hold.id != self.id or hold.instance != self._owner or not is_newer:
             return
-        self._held_at = now
+        self._held_at, self._held = now, new
         if self._requester is not None:
             self._requester.on_tick(Tick(epoch=hold.tick.epoch, robot_ns=hold.tick.robot_ns), now)
 
@@ -147,6 +139,16 @@ class Trip:
             self._requester.on_state(state, now)
         elif state.stage in {"arming", "moving"}:
             self._end("lost_lease", Trouble(f"a motion of {state.by} goes on", "ask again when it has ended"), now)
+
+    def hold_up(self, why: Trouble, now: float) -> None:
+        """Have it stand, and plan anew after a wait."""
+        if self._motion is not None and self.goes_on and not self._stuck:
+            self._stuck = why
+            self._motion.cancel(now)
+
+    def end_for(self, why: Trouble, now: float) -> None:
+        """End it: its plan or its places do not count any more."""
+        self._end("disarmed", why, now)
 
     def cancel(self, by: str, now: float) -> None:
         """End it, whoever asks for it."""
@@ -170,6 +172,8 @@ class Trip:
             _HELD_WITHIN if self._held_at is None else LINK_SILENCE
         ):
             self._end("lost_requester", _NOT_HELD, now)
+        if self._motion is not None and now - self._heard_at > _SILENT:
+            self._end("lost_localization", _NO_POSE, now)
         if self._motion is not None:
             self._follow(self._motion, now)
         elif self.goes_on and self._next is not None and now >= self._due and self._held_at is not None:
@@ -207,8 +211,9 @@ class Trip:
 
     def _begin(self, now: float) -> None:
         """Turn round first where somebody has said where it is: the sensors confirm it then, or contradict it."""
-        if isinstance(pose := self._robot.pose(now), MapPose) and pose.state == "told":
-            self._ask(Turn(angle=math.tau), self._plan, now)
+        pose, found = self._robot.pose(now), self._robot.plan(self._goal, now, False)
+        if isinstance(pose, MapPose) and pose.state == "told" and isinstance(found, Route):
+            self._ask(Turn(angle=math.tau), self._plan, now, _SEES)
         else:
             self._plan(now)
 
@@ -232,8 +237,15 @@ class Trip:
         else:
             self._way += self._come
             self._corners, self._length = found.corners, found.length
-            if was_blocked:
+            self._idle = 0 if self._length < self._shortest - _LEAST_LEG else self._idle + 1
+            self._shortest = min(self._shortest, self._length)
+            if was_blocked and self._is_at_goal:
+                self._corrections = _CORRECTIONS
+                self._announce(self._turn_at_goal, _GOES_ON, now)
+            elif was_blocked:
                 self._announce(self._go_leg, _GOES_ON, now)
+            elif self._idle > _IDLE:
+                self._wait(_STOPPED, self._in_the_way(now), now)
             else:
                 self._go_leg(now)
 
@@ -266,11 +278,11 @@ class Trip:
         self._plan(now)
 
     def _turn_at_goal(self, now: float) -> None:
-        pose, yaw = self._robot.pose(now), self._goal.yaw
-        if yaw is None or isinstance(pose, Trouble) or abs(math.remainder(yaw - pose.yaw, math.tau)) < _NEAR[1]:
+        pose = self._robot.pose(now)
+        if isinstance(pose, Trouble) or abs(turn := Off.of(pose, self._goal).turn) < NEAR.turn:
             self._settle(now)
         else:
-            self._ask(Turn(angle=math.remainder(yaw - pose.yaw, math.tau)), self._settle, now)
+            self._ask(Turn(angle=turn), self._settle, now)
 
     def _settle(self, now: float) -> None:
         self._next, self._due = self._judge, now + _SETTLES
@@ -278,29 +290,31 @@ class Trip:
     def _judge(self, now: float) -> None:
         """Tell whether it is there, once localization has caught up."""
         pose = self._robot.pose(now)
-        if isinstance(pose, Trouble) or _is_doubtful(pose):
+        if isinstance(pose, Trouble) or is_doubtful(pose):
             self._look_round(pose if isinstance(pose, Trouble) else _NOT_THERE, now)
             return
-        off = math.dist((pose.x, pose.y), (self._goal.x, self._goal.y))
-        turned = 0.0 if self._goal.yaw is None else abs(math.remainder(self._goal.yaw - pose.yaw, math.tau))
-        if (off > _NEAR[0] or turned > _NEAR[1]) and self._corrections < _CORRECTIONS:
+        off = Off.of(pose, self._goal)
+        if not off.is_within(NEAR) and self._corrections < _CORRECTIONS:
             self._corrections += 1
             self._plan(now)
-        elif off <= _AT_GOAL[0] and turned <= _AT_GOAL[1]:
+        elif off.is_within(AT_GOAL):
             self._end("arrived", NO_TROUBLE, now)
         else:
             self._end("lost_localization", _NOT_THERE, now)
 
     def _look_round(self, why: Trouble, now: float) -> None:
         """Turn round once, so that localization sees more: then go on, or end."""
-        if self._has_looked or now - self._heard_at > _SPEAKS:
+        if self._has_looked or now - self._heard_at > _SILENT:
             self._end("lost_localization", why, now)
             return
         self._has_looked = True
-        self._announce(partial(self._ask, Turn(angle=math.tau), self._plan_on), Trouble(f"{why.what}: {_LOOKS}"), now)
+        self._announce(
+            partial(self._ask, Turn(angle=math.tau), self._plan_on, words=_SEES), Trouble(f"{why.what}: {_LOOKS}"), now
+        )
 
-    def _ask(self, step: Step, done: Callable[[float], None], now: float) -> None:
-        """Ask for one motion."""
+    def _ask(self, step: Step, done: Callable[[float], None], now: float, words: Trouble = NO_TROUBLE) -> None:
+        """Ask for one motion. `words`: told meanwhile."""
+        self._words = words
         creeps = self._careful > 0.0 or self._is_unsure
         wish = Wish(
             (step,), CREEP if creeps else None, _CREEP_TURN if self._careful > 0.0 else None, time_limit=_LONGEST_LEG
@@ -308,6 +322,7 @@ class Trip:
         self._requester = MotionRequester(self._robot.token(), wish, self.by, self._robot.instance)
         self._motion = HeldMotion(self._requester, self._robot.ask, self._robot.hold)
         self._done, self._stuck = done, NO_TROUBLE
+        self._leg = self._leg if isinstance(step, GoTo) else 0.0
         self._progress = Progress(now)
         self._legs += isinstance(step, GoTo)
         self.stage, self.reason, self.at = "moving", NO_TROUBLE, None
@@ -315,8 +330,7 @@ class Trip:
     @property
     def _is_at_goal(self) -> bool:
         """Whether it stands so near the goal that it need not come nearer."""
-        pose, goal = self._pose, self._goal
-        return pose is not None and math.dist((pose.x, pose.y), (goal.x, goal.y)) <= _AT_GOAL[0]
+        return self._pose is not None and Off.of(self._pose, self._goal).metres <= AT_GOAL.metres
 
     @property
     def _is_unsure(self) -> bool:
@@ -328,10 +342,12 @@ class Trip:
         if result is None:
             state = None if self._requester is None else self._requester.state
             if self.goes_on:
-                self.reason = NO_TROUBLE if state is None else state.reason
-            if self.goes_on and not self._stuck and state is not None and self._progress.is_over(state.achieved, now):
-                self._stuck = self.reason or _STOPPED
-                motion.cancel(now)
+                self.reason = self._words if state is None else state.reason or self._words
+            is_over = state is not None and (
+                self._progress.is_over(state.achieved, now) or state.achieved.path > self._leg + _BEYOND
+            )
+            if self.goes_on and not self._stuck and is_over:
+                self.hold_up(self.reason or _STOPPED, now)
             return
         self._motion = self._requester = None
         if not self.goes_on:
@@ -340,9 +356,6 @@ class Trip:
         match "blocked" if self._stuck and not result.arrived else result.outcome:
             case "arrived":
                 self._done(now)
-            case "blocked" if self._is_at_goal and self._done != self._settle:  # its last turn is asked for once
-                self._corrections = _CORRECTIONS
-                self._turn_at_goal(now)
             case "blocked" | "time_limit":
                 self._wait(why, self._in_the_way(now), now)
             case "lost_localization":
@@ -383,8 +396,3 @@ NO_COVARIANCE: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 def _path(metres: float) -> Displacement:
     return Displacement(path=metres, x=NOWHERE.x, y=NOWHERE.y, yaw=NOWHERE.yaw)
-
-
-def _is_doubtful(pose: MapPose) -> bool:
-    x, y, yaw = pose.standard_deviations
-    return max(x, y) > _DOUBTFUL[0] or yaw > _DOUBTFUL[1]

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_core.motion.requester import ANSWERS_WITHIN, ENDS_WITHIN, STATES_SILENCE, MotionRequester
+from giraff_core.motion.requester import ANSWERS_WITHIN, ENDS_WITHIN, MotionRequester
 from giraff_core.motion.result import MotionResult, way_of
 from giraff_core.motion.wish import Wish
 from giraff_core.operator import LINK_SILENCE
@@ -233,7 +233,7 @@ def test_a_motion_of_which_nothing_is_heard_for_a_second_is_given_up(begun: Line
     begun.run(0.4)
     begun.speaks, since = False, begun.now
     begun.run(5.0)
-    assert begun.now - since == pytest.approx(STATES_SILENCE - (0.0 if heard else 0.4), abs=0.12)
+    assert begun.now - since == pytest.approx(AHEAD.asked.silence - (0.0 if heard else 0.4), abs=0.12)
     assert (begun.end.outcome, begun.end.begun) == ("unheard", True)
     assert begun.end.achieved.path == (0.5 if heard else 0.0)
     assert "giraff_motion is silent for 1 s" in begun.end.reason

@@ -19,7 +19,7 @@ from giraff_schemas.places import Goal, NoGoLine, Place
 from giraff_schemas.trouble import Trouble
 from tests.support.robots import ROBOT
 from tests.unit.places.homes import walls_of
-from tests.unit.places.trips import FAR, MINE, NEAR, OUTER, STEP, End, Ride
+from tests.unit.places.trips import FAR, MINE, NEAR, OUTER, START, STEP, End, Ride
 
 KITCHEN: Final = Place(name="kitchen", x=1.0, y=3.0, yaw=0.0)
 TURNED: Final = Goal(x=KITCHEN.x, y=KITCHEN.y, yaw=KITCHEN.yaw)
@@ -124,6 +124,55 @@ def test_a_robot_that_is_blocked_at_its_goal_has_arrived() -> None:
     ride = Ride("blocked", start=Pose(1.0, 2.8, 0.0))
     ride.begin(NEAR)
     assert (ride.end().outcome, len(ride.asked)) == ("arrived", 1)
+
+
+@pytest.mark.parametrize("goal", [FAR, Goal(x=START.x, y=START.y, yaw=3.0)])
+def test_it_ends_in_a_leg_and_in_a_turn_when_localization_is_silent(goal: Goal) -> None:
+    ride = Ride("")
+    ride.rolls = 0.1
+    ride.begin(goal)
+    ride.run(0.5)
+    ride.is_located = False
+    ride.run(1.1)
+    assert (ride.route.outcome, len(ride.cancelled)) == ("lost_localization", 1)
+    ride.is_located = True
+    assert ride.end().outcome == "lost_localization"
+
+
+def test_wheels_that_slip_and_a_pose_that_stands_still_take_it_no_farther_than_its_leg() -> None:
+    ride = Ride("")
+    ride.rolls = 0.3
+    ride.begin(Goal(x=1.0, y=2.0))
+    ride.until(lambda: ride.route.stage == "waiting")
+    assert ride.now - ride.asked[0].at == pytest.approx(1.5 / 0.3, abs=0.1)
+    assert "comes no nearer" in str(ride.route.reason)
+
+
+def test_legs_that_bring_it_no_nearer_end_it() -> None:
+    ride = Ride()
+    ride.stays = True
+    ride.begin()
+    assert ride.end(400.0).outcome == "blocked"
+    assert len(ride.asked) < 30
+
+
+def test_a_line_that_is_drawn_meanwhile_has_it_stand_and_plan_anew() -> None:
+    ride = Ride("")
+    ride.begin()
+    ride.run(0.5)
+    ride.policy.known = KnownPlaces((), (NoGoLine(name="stairs", x=3.0, y=2.6, end_x=3.0, end_y=4.0),))
+    ride.run(0.1)
+    assert (ride.route.stage, len(ride.cancelled)) == ("waiting", 1)
+    assert ride.end().outcome == "blocked"
+
+
+def test_near_the_goal_it_waits_as_elsewhere_and_then_only_turns() -> None:
+    ride = Ride("blocked")
+    ride.begin(Goal(x=1.2, y=1.0, yaw=1.0))
+    assert ride.end().outcome == "arrived"
+    assert [type(asked.step) for asked in ride.asked] == [GoTo, Turn]
+    assert ride.asked[1].at - ride.asked[0].at > WAITS + 1.0
+    assert ride.asked[1].creeps
 
 
 def test_a_turn_at_the_goal_that_is_blocked_is_waited_for_as_a_leg_is() -> None:

@@ -103,6 +103,12 @@ class Ride:
         self.slip = Pose(0.0, 0.0, 0.0)
         """Place where a motion ends, seen from its goal."""
         self.state: LocalizationState = "localized"
+        self.stays = False
+        """Each motion that arrives leaves the robot where it is."""
+        self.is_located = True
+        """Localization speaks."""
+        self.rolls = 1.0
+        """m of way that the wheels count in each second."""
         self.driver = ""
         """Name of the operator that has taken the robot."""
         self.holds: Callable[[MotionHold], MotionHold] | None = lambda hold: hold
@@ -185,8 +191,9 @@ class Ride:
         pose = stamped(map_pose(self.pose, Pose(0.0, 0.0, 0.0), None, self.state), self._steps, 0, "a")
         variance = self.spread * self.spread
         pose = msgspec.structs.replace(pose, covariance=(variance, 0.0, 0.0, variance, 0.0, variance))
-        self.policy.on_pose(pose, self.now)
-        driving.on_pose(pose, self.now)
+        if self.is_located:
+            self.policy.on_pose(pose, self.now)
+            driving.on_pose(pose, self.now)
         driving.on_tick(Tick(epoch=_EPOCH, robot_ns=self._tick().robot_ns), self.now)
         driver = self.driver or ("motion" if self._moves else "")
         driving.on_lease(Lease(holder="x", operator=driver, counter=1), self.now)
@@ -240,10 +247,10 @@ class Ride:
                 case outcome:
                     if is_over := since >= TAKES:
                         self._change("ended", outcome)
-            if is_over and self._end == "arrived":
+            if is_over and self._end == "arrived" and not self.stays:
                 self._arrive(self.asked[-1].step)
             elif not is_over:
-                self._change("moving", "", 0.0 if self._end == "stuck" else since)
+                self._change("moving", "", 0.0 if self._end == "stuck" else self.rolls * since)
 
     def _change(self, stage: Stage, outcome: Outcome, path: float = 0.0) -> None:
         """Have the motion be at a stage. `path`: m that it has come."""

@@ -63,9 +63,7 @@ def test_a_goal_in_map_is_a_route_and_its_legs_do_not_count() -> None:
     ],
     ids=str,
 )
-def test_a_goal_goes_straight_where_places_are_silent_or_it_is_in_odom(
-    given: dict[str, Any], key: str
-) -> None:
+def test_a_goal_goes_straight_where_places_are_silent_or_it_is_in_odom(given: dict[str, Any], key: str) -> None:
     rviz = Rviz()
     request = give(rviz, **given)
     assert rviz.robot.asked[-1].key == key
