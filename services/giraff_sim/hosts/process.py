@@ -271,8 +271,10 @@ class Process:
         if self._leaves:
             self.terminate()
             return
-        wait = min((timer.wait(now) for timer in self._service.timers), default=1.0)
-        self.wake(now_us + min(_LONGEST_WAIT_US, int(min(wait, 1.0) * 1e6) + 1))
+        wait = 1.0
+        for timer in self._service.timers:
+            wait = min(wait, timer.wait(now))
+        self.wake(now_us + min(_LONGEST_WAIT_US, int(wait * 1e6) + 1))
 
 
 class Request:
