@@ -290,7 +290,7 @@ class Trip:
     def _judge(self, now: float) -> None:
         """Tell whether it is there, once localization has caught up."""
         pose = self._robot.pose(now)
-        if isinstance(pose, Trouble) or is_doubtful(pose):
+        if isinstance(pose, Trouble) or is_doubtful(pose, has_looked=self._has_looked):
             self._look_round(pose if isinstance(pose, Trouble) else _NOT_THERE, now)
             return
         off = Off.of(pose, self._goal)

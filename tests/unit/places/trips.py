@@ -98,6 +98,8 @@ class Ride:
         """`ends`: of the motions, one after the other. Those after the last arrive."""
         self.now = 100.0
         self.pose: Pose = start
+        self.explained = 0.9
+        """Share of the readings that localization's place explains."""
         self.spread = 0.05
         """m and rad; standard deviations of localization."""
         self.slip = Pose(0.0, 0.0, 0.0)
@@ -190,7 +192,9 @@ class Ride:
         self._move()
         pose = stamped(map_pose(self.pose, Pose(0.0, 0.0, 0.0), None, self.state), self._steps, 0, "a")
         variance = self.spread * self.spread
-        pose = msgspec.structs.replace(pose, covariance=(variance, 0.0, 0.0, variance, 0.0, variance))
+        pose = msgspec.structs.replace(
+            pose, covariance=(variance, 0.0, 0.0, variance, 0.0, variance), explained=self.explained
+        )
         if self.is_located:
             self.policy.on_pose(pose, self.now)
             driving.on_pose(pose, self.now)
