@@ -72,9 +72,12 @@ def by_row(spent: Mapping[str, Costs], rows: Iterable[str]) -> dict[str, dict[st
     return found
 
 
-def told(spent: Mapping[str, Costs], budget: Budget, *, over: bool) -> list[str]:
-    """Return a report: the cost of each row's tests, or if `over`, only the rows that are over their limits."""
-    timed = {row: {PROCESSOR: most} for row, most in budget.processor.items()}
+def told(spent: Mapping[str, Costs], budget: Budget, *, over: bool, unsteadiness: float = 0.0) -> list[str]:
+    """Return a report: the cost of each row's tests, or if `over`, only the rows that are over their limits.
+
+    `unsteadiness`: share by which processor times were uncertain in this run.
+    """
+    timed = {row: {PROCESSOR: most * (1.0 + unsteadiness)} for row, most in budget.processor.items()}
     tables = ((budget.folders | budget.capabilities, tuple(budget.prices)), (timed, (PROCESSOR,)))
     return [line for rows, units in tables for line in _told(spent, rows, units, over=over)]
 
@@ -112,6 +115,8 @@ class _Counts:
         self._spent: dict[str, Counter[str]] = {}
         self._pace = Pace()
         self._in_tests = 0.0
+        self._unsteadiness = 0.0
+        """Largest of the workers."""
         self._lines: list[str] = []
         _count_calls(Simulation, "step", lambda step: count("simulated", step.world.step_us * 1e-6))
         _count_calls(Balancer, "step", lambda _: count("simulated", 0.001))
@@ -134,8 +139,10 @@ class _Counts:
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node: Any) -> None:
         """Take what a worker of xdist has counted."""
-        costs = getattr(node, "workeroutput", {}).get("giraff_spent", {})
+        output = getattr(node, "workeroutput", {})
+        costs = output.get("giraff_spent", {})
         self._note_start(costs.pop(START, {}).get(PROCESSOR, 0.0))
+        self._unsteadiness = max(self._unsteadiness, output.get("giraff_unsteadiness", 0.0))
         self._spent |= {test: Counter(each) for test, each in costs.items()}
 
     @pytest.hookimpl(wrapper=True)
@@ -143,11 +150,13 @@ class _Counts:
         output: dict[str, object] | None = getattr(session.config, "workeroutput", None)
         self._note_start((taken() - self._in_tests) / self._pace.slowness)
         if output is not None:  # before xdist sends it
+            output["giraff_unsteadiness"] = self._pace.unsteadiness
             output["giraff_spent"] = {test: dict(each) for test, each in self._spent.items()}
         yield
         if output is not None:
             return
-        self._lines = told(self._spent, read_budget(self._budget), over=True)
+        self._unsteadiness = max(self._unsteadiness, self._pace.unsteadiness)
+        self._lines = told(self._spent, read_budget(self._budget), over=True, unsteadiness=self._unsteadiness)
         if self._lines and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
@@ -160,6 +169,7 @@ class _Counts:
         if self._tells:
             terminalreporter.section("cost")
             terminalreporter.write_line("\n".join(told(self._spent, read_budget(self._budget), over=False)))
+            terminalreporter.write_line(f"  processor times are uncertain by {self._unsteadiness:.0%} in this run")
         if self._lines:
             terminalreporter.section(f"over budget: {self._budget.name}", red=True)
             terminalreporter.write_line("\n".join([*self._lines, REMEDY]))
