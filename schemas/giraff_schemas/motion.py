@@ -186,8 +186,8 @@ Outcome = Literal[
     "too_narrow",
     "forbidden",
 ]
-"""Why it has ended; empty: it has not. The last four are of routes: the robot cannot stand at the goal; walls all
-round; each way has a gap that is too narrow; each way crosses a no-go line."""
+"""Reason of its end; empty: it goes on. The last four are of routes: the robot cannot stand at the goal, walls are all
+round, each way has a gap that is too narrow, each way crosses a no-go line."""
 
 
 class MotionState(Sample, frozen=True, kw_only=True):

@@ -8,7 +8,7 @@ import math
 from typing import Final
 
 from giraff_core.live import Live
-from giraff_core.motion.timely import AHEAD, WISH_COUNTS, age_of, untimely
+from giraff_core.motion.timely import AHEAD, WISH_COUNTS, AnswersOnce, age_of, untimely
 from giraff_core.operator import LEVEL, Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
@@ -41,8 +41,6 @@ _ARMS_WITHIN: Final = 2.5
 """s"""
 _LAST_WORDS: Final = 0.3
 """s for which it says that it has let go: one word may be lost."""
-_REMEMBERED: Final = 64
-"""Requests that are met once."""
 
 _NO_GUARD: Final = Trouble("the guard is not heard", "check that giraff_guard runs on base's machine")
 _NO_BASE: Final = Trouble("base is not heard", "check that giraff_base runs")
@@ -60,7 +58,7 @@ class MotionPolicy(Hand):
         super().__init__(Operator(MOTION.name, instance, asks_from_start=False))
         self._localized = Localized()
         self._pilot = Pilot(live, robot, self._localized)
-        self._answers: dict[int, MotionAnswer] = {}
+        self._answers = AnswersOnce()
         self._odometry: Odometry | None = None
         self._base: tuple[BaseState | None, float] = None, -math.inf
         self._guard: tuple[GuardState | None, float] = None, -math.inf
@@ -115,13 +113,7 @@ class MotionPolicy(Hand):
 
     def on_request(self, request: MotionRequest, now: float) -> MotionAnswer:
         """Begin a motion, or say why not. Asked again, it is the answer of the first time."""
-        if (met := self._answers.get(request.id)) is not None:
-            return met
-        why = self._begin(request, now)
-        answer = self._answers[request.id] = MotionAnswer(accepted=not why, reason=why)
-        if len(self._answers) > _REMEMBERED:
-            del self._answers[next(iter(self._answers))]
-        return answer
+        return self._answers.answer(request.id, lambda: self._begin(request, now))
 
     def on_cancel(self, request: MotionCancel, now: float) -> MotionAnswer:
         """Stop at once, whoever asks for it."""

@@ -11,7 +11,8 @@ from giraff_core.timer import EarlyTimer, Timer
 from giraff_maps.floor_plan import MapError
 from giraff_maps.places_file import PlacesStore
 from giraff_places.config import PlacesConfig
-from giraff_places.driving.driving import Driving, Motions
+from giraff_places.driving.driving import Driving
+from giraff_places.driving.robot import Motions
 from giraff_places.policy import PlacesPolicy, PlanFile
 from giraff_schemas.places import PlacesAnswer, PlacesSet
 from giraff_schemas.topics import (

@@ -1,17 +1,15 @@
 """Which routes are driven: one at a time, of whoever asks in time. No I/O and no clock."""
 
 import math
-from collections.abc import Callable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import msgspec
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.motion.timely import untimely
+from giraff_core.motion.timely import AnswersOnce, untimely
 from giraff_core.operator import RobotLink
-from giraff_core.retry import RetriedRequest
 from giraff_core.robot import RobotConfig
-from giraff_places.driving.robot import Robot
+from giraff_places.driving.robot import Motions, Robot
 from giraff_places.driving.things import Things
 from giraff_places.driving.trip import WAITS, Trip
 from giraff_places.policy import PlacesPolicy
@@ -21,11 +19,8 @@ from giraff_schemas.messages import EStop, Lease, Tick
 from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionHold, MotionState
 from giraff_schemas.places import NO_ROUTE, Goal, PlacesGo, RouteState
 from giraff_schemas.services import MOTION
-from giraff_schemas.topics import Query
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
 
-_REMEMBERED: Final = 64
-"""Requests that are met once."""
 _TURNS: Final = 0.02
 """rad between two poses of a robot that turns too fast to tell where an echo came from."""
 _JUMPED: Final = 0.3
@@ -35,15 +30,6 @@ _AHEAD: Final = 0.6
 _LINES: Final = Trouble("the no-go lines have become others", "wait: it plans anew")
 
 
-class Motions(NamedTuple):
-    """The way to giraff_motion."""
-
-    ask: Callable[[Query[Any, Any], Any], RetriedRequest[Any]]
-    hold: Callable[[MotionHold], object]
-    token: Callable[[], int]
-    instance: str
-
-
 class Driving:
     """Times are s of any one monotonic clock."""
 
@@ -51,7 +37,7 @@ class Driving:
         self._places, self._motions = places, motions
         self._things = None if places.planner is None else Things(robot, places.planner.floor)
         self._link = RobotLink()
-        self._answers: dict[int, MotionAnswer] = {}
+        self._answers = AnswersOnce()
         self._trip: Trip | None = None
         """The one that goes on, or the last one."""
         self._estop: EStop | None = None
@@ -64,7 +50,7 @@ class Driving:
 
     @property
     def is_active(self) -> bool:
-        """Whether a route goes on, or the robot still rolls at its end."""
+        """Tell whether a route goes on, or the robot still rolls at its end."""
         return self._trip is not None and self._trip.stage != "ended"
 
     def on_tick(self, tick: Tick, now: float) -> None:
@@ -89,13 +75,7 @@ class Driving:
 
     def on_request(self, request: PlacesGo, now: float) -> MotionAnswer:
         """Begin a route, or say why not. Asked again, it is the answer of the first time."""
-        if (met := self._answers.get(request.id)) is not None:
-            return met
-        why = self._begin(request, now)
-        answer = self._answers[request.id] = MotionAnswer(accepted=not why, reason=why)
-        if len(self._answers) > _REMEMBERED:
-            del self._answers[next(iter(self._answers))]
-        return answer
+        return self._answers.answer(request.id, lambda: self._begin(request, now))
 
     def on_cancel(self, request: MotionCancel, now: float) -> MotionAnswer:
         """End the route at once, whoever asks for it."""
@@ -165,10 +145,7 @@ class Driving:
             goal = Goal(x=place.x, y=place.y, yaw=place.yaw)
         if goal.yaw is not None:
             goal = msgspec.structs.replace(goal, yaw=math.remainder(goal.yaw, math.tau))
-        motions = self._motions
-        robot = Robot(
-            self._places.pose, self._plan, self._seen, motions.ask, motions.hold, motions.token, motions.instance
-        )
+        robot = Robot(self._places.pose, self._plan, self._seen, self._motions)
         self._lines = self._places.known.no_go
         self._trip = Trip(request, name, goal, robot, now)
         return NO_TROUBLE

@@ -12,6 +12,15 @@ from giraff_schemas.topics import Query
 from giraff_schemas.trouble import Trouble
 
 
+class Motions(NamedTuple):
+    """The way to giraff_motion."""
+
+    ask: Callable[[Query[Any, Any], Any], RetriedRequest[Any]]
+    hold: Callable[[MotionHold], object]
+    token: Callable[[], int]
+    instance: str
+
+
 class Robot(NamedTuple):
     """Ways from a trip to the robot and to giraff_motion."""
 
@@ -21,7 +30,4 @@ class Robot(NamedTuple):
     """Returns the way to a goal. True: not through what is seen there now."""
     seen: Callable[[float], tuple[float, float] | None]
     """Returns where on the map something stands before the robot."""
-    ask: Callable[[Query[Any, Any], Any], RetriedRequest[Any]]
-    hold: Callable[[MotionHold], object]
-    token: Callable[[], int]
-    instance: str
+    motions: Motions

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+import msgspec
+
 from giraff_core.kinematics.differential_drive import CREEP
 from giraff_core.kinematics.pose import Pose
 from giraff_core.motion.requester import HeldMotion, MotionRequester
@@ -22,7 +24,7 @@ from giraff_places.route.planner import NoRoute, Route
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import EStop, RobotTime, Tick
 from giraff_schemas.motion import NOWHERE, Displacement, GoTo, MotionHold, MotionState, Outcome, Stage, Step, Turn
-from giraff_schemas.places import Goal, PlacesGo, RouteState
+from giraff_schemas.places import NO_ROUTE, Goal, PlacesGo, RouteState
 from giraff_schemas.services import MOTION
 from giraff_schemas.text import brief
 from giraff_schemas.trouble import NO_TROUBLE, Trouble
@@ -116,7 +118,7 @@ class Trip:
 
     @property
     def goes_on(self) -> bool:
-        """Whether it has not ended."""
+        """Tell whether it has not ended."""
         return not self.outcome
 
     def on_hold(self, hold: MotionHold, now: float) -> None:
@@ -166,11 +168,9 @@ class Trip:
 
     def turn(self, now: float) -> None:
         """Do what is due."""
-        if (pose := self._robot.pose(now)) and isinstance(pose, MapPose):
+        if isinstance(pose := self._robot.pose(now), MapPose):
             self._pose = pose
-        if self.goes_on and now - (self._began if self._held_at is None else self._held_at) > (
-            _HELD_WITHIN if self._held_at is None else LINK_SILENCE
-        ):
+        if self._is_let_go(now):
             self._end("lost_requester", _NOT_HELD, now)
         if self._motion is not None and now - self._heard_at > _SILENT:
             self._end("lost_localization", _NO_POSE, now)
@@ -184,7 +184,8 @@ class Trip:
     def state(self, now: float) -> RouteState:
         """Return it as it is told."""
         pose, way = self._pose, self._way + self._come
-        return RouteState(
+        return msgspec.structs.replace(
+            NO_ROUTE,
             id=self.id,
             by=self.by,
             stage=self.stage,
@@ -192,17 +193,20 @@ class Trip:
             steps=self._legs + max(0, len(self._corners) - 2),
             asked=_path(self._way + self._length),
             achieved=_path(min(way, self._way + self._length)),
-            covariance=NO_COVARIANCE if pose is None else pose.covariance,
+            covariance=NO_ROUTE.covariance if pose is None else pose.covariance,
             elapsed=(now if self.goes_on else self._ended_at) - self._began,
-            time_limit=0.0,
             outcome=self.outcome,
-            sensor="",
             reason=self.reason,
             place=self._place,
             goal=self._goal,
             corners=self._corners,
             at=self.at,
         )
+
+    def _is_let_go(self, now: float) -> bool:
+        """Tell whether the requester is silent."""
+        since, most = (self._began, _HELD_WITHIN) if self._held_at is None else (self._held_at, LINK_SILENCE)
+        return now - since > most
 
     @property
     def _come(self) -> float:
@@ -319,8 +323,9 @@ class Trip:
         wish = Wish(
             (step,), CREEP if creeps else None, _CREEP_TURN if self._careful > 0.0 else None, time_limit=_LONGEST_LEG
         )
-        self._requester = MotionRequester(self._robot.token(), wish, self.by, self._robot.instance)
-        self._motion = HeldMotion(self._requester, self._robot.ask, self._robot.hold)
+        motions = self._robot.motions
+        self._requester = MotionRequester(motions.token(), wish, self.by, motions.instance)
+        self._motion = HeldMotion(self._requester, motions.ask, motions.hold)
         self._done, self._stuck = done, NO_TROUBLE
         self._leg = self._leg if isinstance(step, GoTo) else 0.0
         self._progress = Progress(now)
@@ -391,8 +396,5 @@ class Trip:
             self._motion.cancel(now)
 
 
-NO_COVARIANCE: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
 def _path(metres: float) -> Displacement:
-    return Displacement(path=metres, x=NOWHERE.x, y=NOWHERE.y, yaw=NOWHERE.yaw)
+    return msgspec.structs.replace(NOWHERE, path=metres)

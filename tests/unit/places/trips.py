@@ -9,7 +9,8 @@ import msgspec
 from giraff_core.kinematics.pose import Pose
 from giraff_core.retry import RetriedRequest
 from giraff_maps.floor_plan import FloorPlan
-from giraff_places.driving.driving import Driving, Motions
+from giraff_places.driving.driving import Driving
+from giraff_places.driving.robot import Motions
 from giraff_places.policy import PlacesPolicy, PlanFile
 from giraff_schemas.codec import stamped
 from giraff_schemas.localization import LocalizationState
